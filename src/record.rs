@@ -1,0 +1,188 @@
+//! What a run says of itself besides its tables: the content of `run.json`.
+//!
+//! `report` reads this file and the tables, nothing else, so that figures can be drawn again at any time.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The whole of `run.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    pub program: String,
+    pub version: String,
+    /// `running`, `interrupted`, `failed` or `finished`.
+    pub status: String,
+    /// What stopped a failed run.
+    pub error: Option<String>,
+    pub name: String,
+    /// Free text of the model's author.
+    pub description: String,
+    pub model: ModelText,
+    pub seed: u64,
+    /// First realization and one past the last of the block asked for.
+    pub realizations: [u32; 2],
+    /// Realizations whose tables are complete.
+    pub finished: u32,
+    /// Output times, s.
+    pub times: Vec<f64>,
+    pub domain: DomainRecord,
+    pub species: Vec<SpeciesRecord>,
+    pub reactions: Vec<ReactionRecord>,
+    /// Conserved sums in words, e.g. `R + RL`.
+    pub conservation_laws: Vec<String>,
+    /// Conditions in words (sponges, held values, barriers, …).
+    pub conditions: Vec<String>,
+    pub probes: Vec<ProbeRecord>,
+    /// Distributions asked for.
+    pub histograms: Vec<HistogramRecord>,
+    pub steps: StepsRecord,
+    pub health: Health,
+    pub performance: Performance,
+}
+
+/// The files a user wrote, word for word, and the hash that names them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModelText {
+    /// SHA-256 over all files and `--set` values, hex.
+    pub hash: String,
+    /// Path as typed and text.
+    pub files: Vec<(String, String)>,
+    /// `path=value` given on the command line.
+    pub overrides: Vec<String>,
+}
+
+/// Geometry of the domain, for drawings to scale. Lengths in m.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DomainRecord {
+    /// `well_mixed`, `graph` or `particles`.
+    pub kind: String,
+    /// 0 for well-mixed and graph.
+    pub dimensions: usize,
+    pub min: Vec<f64>,
+    pub max: Vec<f64>,
+    pub thickness: f64,
+    /// `periodic`, `no_slip` or `free_slip` per axis.
+    pub boundaries: Vec<String>,
+    pub groups: Vec<GroupRecord>,
+}
+
+/// A group of voxels: name, what it is made of, size at the start.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GroupRecord {
+    pub name: String,
+    /// `fluid`, `wall`, `static`, `zone` or `volume`.
+    pub material: String,
+    pub particles: usize,
+    /// m³.
+    pub volume: f64,
+    /// Outline of the shape in words, e.g. `ring, centre (22, 10) µm, 1.5-2.5 µm`.
+    pub shape: String,
+    /// Closed outlines in 2D, m, for drawings; empty where there is nothing to draw.
+    pub outlines: Vec<Vec<[f64; 2]>>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpeciesRecord {
+    pub name: String,
+    /// m²/s.
+    pub diffusion: f64,
+    /// `discrete` or `continuous`.
+    pub representation: String,
+    /// Groups it lives in; empty if everywhere.
+    pub only_in: Vec<String>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ReactionRecord {
+    pub name: String,
+    pub equation: String,
+    /// The propensity with its numbers, in words.
+    pub propensity: String,
+}
+
+/// A probe and the figures it asks for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ProbeRecord {
+    pub name: String,
+    /// `line` (s in m) or `ring` (s = angle in rad).
+    pub kind: String,
+    /// Quantities it records and their units, e.g. `L` -> `mol/m^3`, `vx` -> `m/s`, `occupancy` -> `1`.
+    pub quantities: BTreeMap<String, String>,
+}
+
+/// A distribution across realizations that the user asked for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HistogramRecord {
+    pub group: String,
+    pub species: String,
+    /// Times asked for, s; each one of the output times.
+    pub times: Vec<f64>,
+}
+
+/// Steps and what limited them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepsRecord {
+    pub fluid: Option<StepRecord>,
+    pub chemistry: Option<StepRecord>,
+    /// Name of the sampling method, e.g. `exact split sampling (Strang)`.
+    pub method: String,
+    /// Anything approximate the method does, in words; empty if exact.
+    pub approximations: Vec<String>,
+    /// One flow served every realization.
+    pub shared_flow: bool,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepRecord {
+    /// s.
+    pub step: f64,
+    pub count: u64,
+    pub limited_by: String,
+}
+
+/// Checks of a run; all sums over its realizations.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Health {
+    /// Molecules that appeared or vanished outside reactions and booked reservoirs; 0 unless something is wrong.
+    pub molecules_created_or_lost: f64,
+    /// Net molecules brought in by sponges, sources and held values, per species.
+    pub molecules_supplied: BTreeMap<String, f64>,
+    /// Largest deviation of each conserved sum within a realization.
+    pub conservation: Vec<ConservationRecord>,
+    /// Relative drift of total momentum where it should be conserved.
+    pub momentum_drift: Option<f64>,
+    /// Particles found inside a wall at the end of any step.
+    pub penetrations: Option<u64>,
+    /// Positions corrected at walls (bounce-back), for information.
+    pub bounces: Option<u64>,
+    pub largest_mach: Option<f64>,
+    /// Largest |density / rest density - 1| of a fluid particle.
+    pub largest_density_change: Option<f64>,
+    pub warnings: Vec<String>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ConservationRecord {
+    /// E.g. `R + RL`.
+    pub sum: String,
+    /// Value at the start in realization 0 (molecules).
+    pub start: f64,
+    /// Largest |value - start| over times and realizations.
+    pub largest_deviation: f64,
+    /// Why it need not hold, e.g. a reservoir of L; empty if it must.
+    pub exempt: String,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Performance {
+    pub particle_steps: u64,
+    pub pair_evaluations: u64,
+    pub fluid_seconds: f64,
+    pub reaction_events: u64,
+    pub hops: u64,
+    pub chemistry_seconds: f64,
+    pub wall_seconds: f64,
+    pub cpu_seconds: f64,
+    pub peak_rss_bytes: u64,
+    pub threads: usize,
+}
