@@ -1,1 +1,5 @@
-fn main(){}
+//! The binary `gillesph`.
+
+fn main() -> std::process::ExitCode {
+    gillesph::cli::main()
+}

@@ -186,3 +186,52 @@ pub struct Performance {
     pub peak_rss_bytes: u64,
     pub threads: usize,
 }
+
+impl RunRecord {
+    /// Takes in the record of the block of realizations that follows this one.
+    pub fn absorb(&mut self, next: &RunRecord) {
+        self.realizations[1] = next.realizations[1];
+        self.finished += next.finished;
+        self.health.absorb(&next.health);
+        let (own, other) = (&mut self.performance, &next.performance);
+        own.particle_steps += other.particle_steps;
+        own.pair_evaluations += other.pair_evaluations;
+        own.fluid_seconds += other.fluid_seconds;
+        own.reaction_events += other.reaction_events;
+        own.hops += other.hops;
+        own.chemistry_seconds += other.chemistry_seconds;
+        own.wall_seconds += other.wall_seconds;
+        own.cpu_seconds += other.cpu_seconds;
+        own.peak_rss_bytes = own.peak_rss_bytes.max(other.peak_rss_bytes);
+        own.threads = own.threads.max(other.threads);
+    }
+}
+
+impl Health {
+    fn absorb(&mut self, next: &Health) {
+        fn larger(own: &mut Option<f64>, other: Option<f64>) {
+            *own = match (*own, other) {
+                (Some(a), Some(b)) => Some(a.max(b)),
+                (a, b) => a.or(b),
+            };
+        }
+        self.molecules_created_or_lost += next.molecules_created_or_lost;
+        for (species, supplied) in &next.molecules_supplied {
+            *self.molecules_supplied.entry(species.clone()).or_default() += supplied;
+        }
+        for (own, other) in self.conservation.iter_mut().zip(&next.conservation) {
+            own.largest_deviation = own.largest_deviation.max(other.largest_deviation);
+        }
+        larger(&mut self.momentum_drift, next.momentum_drift);
+        larger(&mut self.largest_mach, next.largest_mach);
+        larger(&mut self.largest_density_change, next.largest_density_change);
+        // Every block runs the same flow: what it counts is the same, not a sum.
+        self.penetrations = self.penetrations.max(next.penetrations);
+        self.bounces = self.bounces.max(next.bounces);
+        for warning in &next.warnings {
+            if !self.warnings.contains(warning) {
+                self.warnings.push(warning.clone());
+            }
+        }
+    }
+}

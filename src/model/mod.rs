@@ -1,1 +1,73 @@
+//! What a user wrote, checked: documents in YAML become a [`Model`] in SI units. Strings and units end here.
 
+pub mod conditions;
+pub mod domain;
+pub mod initial;
+pub mod load;
+pub mod node;
+pub mod output;
+pub mod reactions;
+pub mod reader;
+pub mod shapes;
+
+use crate::chemistry::{Network, Representation};
+use crate::error::Place;
+use crate::record::ModelText;
+
+pub use conditions::Condition;
+pub use domain::{Boundary, Domain, FluidModel, Group, Material, ParticleDomain};
+pub use initial::{Amount, Deal, Initial};
+pub use output::{Output, Probe, ProbeShape, Run};
+
+/// A checked model, everything in SI units, groups and species by index.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub name: String,
+    /// The author's words on it; may be empty.
+    pub description: String,
+    pub network: Network,
+    pub domain: Domain,
+    pub chemistry: Chemistry,
+    pub initial: Vec<Initial>,
+    pub run: Run,
+    pub output: Output,
+    pub text: ModelText,
+    /// Where parts of the document stand, for faults found while the plan is made.
+    pub places: Places,
+}
+
+/// Where the parts of a document stand.
+#[derive(Clone, Debug)]
+pub struct Places {
+    pub document: Place,
+    pub domain: Place,
+    pub chemistry: Place,
+    pub fluid: Place,
+    pub run: Place,
+}
+
+/// How the chemistry is to be carried and sampled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chemistry {
+    /// For species that do not say their own.
+    pub representation: Representation,
+    /// Sampling method by name; chosen by the program if `None`.
+    pub method: Option<Method>,
+    /// Chemistry step, s; chosen by the program if `None`.
+    pub step: Option<f64>,
+    /// Largest expected number of hops of a molecule in half a step, for the automatic step.
+    pub hops: f64,
+    /// Largest expected relative change of a reactant in a step, for the automatic step.
+    pub change: f64,
+}
+
+/// Sampling methods by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Gillespie's direct method.
+    Direct,
+    /// Elf & Ehrenberg's next subvolume method.
+    NextSubvolume,
+    /// Exact sampling of diffusion and reaction in turn (Strang splitting).
+    Split,
+}

@@ -1,0 +1,155 @@
+//! The command line: verbs, exit statuses, where messages go.
+//!
+//! Standard output carries only what was asked for; faults, progress and notes go to standard error.
+
+mod check;
+mod run;
+mod verbs;
+
+use crate::error::{ModelError, RunError};
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Stochastic chemistry in moving fluids and living walls.
+#[derive(Parser)]
+#[command(name = "gillesph", version, about, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Read and check a model or a reactions file and print the compiled plan
+    Check {
+        /// Model or reactions file
+        file: PathBuf,
+        /// Change a value of the model, e.g. --set run.until="1 s" (repeatable)
+        #[arg(long, value_name = "PATH=VALUE")]
+        set: Vec<String>,
+    },
+    /// Run the ensemble and write tables, figures and report
+    Run(run::Options),
+    /// Draw figures and report.html of a finished run again from its tables
+    Report {
+        /// Folder of the run
+        dir: PathBuf,
+    },
+    /// Join blocks of one ensemble that ran apart; the result is identical to one run
+    Merge {
+        /// Folder to write
+        out: PathBuf,
+        /// Folders of the blocks
+        #[arg(required = true)]
+        blocks: Vec<PathBuf>,
+        /// Replace a folder that already holds a run
+        #[arg(long)]
+        force: bool,
+    },
+    /// Show the reaction network as a graph: conservation laws, orders, linkage classes, deficiency
+    Network {
+        /// Model or reactions file
+        file: PathBuf,
+        /// Print an SVG picture
+        #[arg(long, conflicts_with = "dot")]
+        svg: bool,
+        /// Print a Graphviz graph
+        #[arg(long)]
+        dot: bool,
+    },
+    /// Run published cases and print ours beside the published and reference values
+    Validate {
+        /// Names of cases; all if none is given
+        cases: Vec<String>,
+        /// List the cases
+        #[arg(long)]
+        list: bool,
+        /// All resolutions, also those that take long
+        #[arg(long)]
+        full: bool,
+    },
+    /// Print shell completions
+    Completions {
+        /// Shell to complete for
+        shell: clap_complete::Shell,
+    },
+}
+
+/// What ends a verb before its work is done.
+pub(crate) enum Stop {
+    /// The input is wrong: exit status 2.
+    Model(ModelError),
+    /// The run failed: exit status 1.
+    Run(RunError),
+    /// Interrupted: exit status 130.
+    Interrupted,
+    /// Already reported; just the status.
+    Status(u8),
+}
+
+impl From<ModelError> for Stop {
+    fn from(error: ModelError) -> Stop {
+        Stop::Model(error)
+    }
+}
+
+impl From<crate::error::Fault> for Stop {
+    fn from(fault: crate::error::Fault) -> Stop {
+        Stop::Model(fault.into())
+    }
+}
+
+impl From<RunError> for Stop {
+    fn from(error: RunError) -> Stop {
+        Stop::Run(error)
+    }
+}
+
+/// Parses the command line, does what it says, and reports faults.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    std::panic::set_hook(Box::new(|info| {
+        eprintln!("gillesph met a state it should never be in; please report this with your model: {info}");
+    }));
+    let result = std::panic::catch_unwind(|| perform(arguments.verb)).unwrap_or(Err(Stop::Status(1)));
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Stop::Model(error)) => {
+            let count = error.faults.len();
+            eprint!("{error}");
+            eprintln!("{count} fault{}; nothing was written", if count == 1 { "" } else { "s" });
+            ExitCode::from(2)
+        }
+        Err(Stop::Run(error)) => {
+            eprintln!("the run failed: {error}");
+            ExitCode::from(1)
+        }
+        Err(Stop::Interrupted) => ExitCode::from(130),
+        Err(Stop::Status(status)) => ExitCode::from(status),
+    }
+}
+
+fn perform(verb: Verb) -> Result<(), Stop> {
+    match verb {
+        Verb::Check { file, set } => check::check(&file, &set),
+        Verb::Run(options) => run::run(&options),
+        Verb::Report { dir } => verbs::report(&dir),
+        Verb::Merge { out, blocks, force } => verbs::merge(&out, &blocks, force),
+        Verb::Network { file, svg, dot } => verbs::network(&file, svg, dot),
+        Verb::Validate { cases, list, full } => verbs::validate(&cases, list, full),
+        Verb::Completions { shell } => {
+            verbs::completions(shell, &mut <Arguments as clap::CommandFactory>::command());
+            Ok(())
+        }
+    }
+}
+
+/// Prints text asked for; a closed pipe is no fault.
+pub(crate) fn print(text: &str) {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes());
+    let _ = out.flush();
+}

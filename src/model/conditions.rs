@@ -1,0 +1,275 @@
+//! The `conditions:` of a model: sponges, held values, sources, barriers, moving walls, forces.
+
+use super::domain::{Boundary, Material, ParticleDomain, axis_name, group_index, pad, species_index};
+use super::initial::{self, Amount, Deal};
+use super::node::{Node, Value};
+use super::reader::{Faults, Fields};
+use crate::chemistry::{Kinetics, Network};
+use crate::error::Place;
+use crate::quantity::Dimension;
+use crate::vector::Vector;
+
+/// A named condition on the domain.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    pub name: String,
+    pub place: Place,
+    pub what: What,
+}
+
+/// What a condition does. Groups and species by index.
+#[derive(Clone, Debug)]
+pub enum What {
+    /// Draws velocity and amounts of what passes through towards a state, at a rate (1/s).
+    Sponge { group: usize, rate: f64, velocity: Option<Vector<3>>, species: Vec<(usize, Amount)> },
+    /// Keeps amounts at a value: a reservoir.
+    Held { group: usize, species: Vec<(usize, Amount)>, deal: Deal },
+    /// Makes molecules at a rate: mol/m³/s, or molecules/s in each particle by the network's kinetics.
+    Source { group: usize, species: Vec<(usize, f64)> },
+    /// A plane across an axis that no molecule passes by diffusion.
+    Barrier { axis: usize, at: f64 },
+    /// A wall that moves.
+    MovingWall { wall: WallName, motion: WallMotion },
+    /// An acceleration of all fluid, m/s².
+    Force { acceleration: Vector<3> },
+}
+
+/// A wall: a group, or a side of the box (`x_min`, `x_max`, `y_min`, …).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WallName {
+    Group(usize),
+    Side { axis: usize, upper: bool },
+}
+
+/// How a wall moves.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WallMotion {
+    /// The surface moves along itself, the particles stay (a belt, a lid); m/s.
+    Belt(Vector<3>),
+    /// The whole wall travels; m/s.
+    Travel(Vector<3>),
+    /// Velocity amplitude (m/s) times sin(2π frequency t): starts from rest; frequency in 1/s.
+    Oscillate { velocity: Vector<3>, frequency: f64 },
+    /// About a centre (2D: about z); rad/s.
+    Rotate { centre: Vector<3>, rate: f64, axis: Vector<3> },
+}
+
+/// Reads all conditions of a document.
+pub fn read(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Faults) -> Vec<Condition> {
+    let Some(fields) = Fields::of(node, "conditions", faults) else { return Vec::new() };
+    let mut found = Vec::new();
+    for (key, node) in fields.entries() {
+        let Value::Map(kinds) = &node.value else {
+            faults.at(&node.place, "a condition is a mapping with one key, its kind", KINDS);
+            continue;
+        };
+        let [(kind, body)] = kinds.as_slice() else {
+            faults.at(&node.place, format!("a condition has one kind; here are {}", kinds.len()), KINDS);
+            continue;
+        };
+        let what = match kind.name.as_str() {
+            "sponge" => sponge(body, domain, network, faults),
+            "held" => held(body, domain, network, faults),
+            "source" => source(body, domain, network, faults),
+            "barrier" => barrier(body, domain, faults),
+            "moving_wall" => moving_wall(body, domain, faults),
+            "force" => force(body, domain, faults),
+            other => {
+                faults.at(&kind.place, format!("unknown condition `{other}`"), KINDS);
+                None
+            }
+        };
+        if let Some(what) = what {
+            found.push(Condition { name: key.name.clone(), place: key.place.clone(), what });
+        }
+    }
+    found
+}
+
+const KINDS: &str = "kinds are: sponge, held, source, barrier, moving_wall, force";
+
+fn group(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults) -> Option<usize> {
+    let node = fields.required("in", faults)?;
+    let names: Vec<String> = domain.groups.iter().map(|group| group.name.clone()).collect();
+    group_index(node.text(faults)?, &node.place, &names, faults)
+}
+
+fn amounts(
+    fields: &mut Fields,
+    domain: &ParticleDomain,
+    network: &Network,
+    faults: &mut Faults,
+) -> Vec<(usize, Amount)> {
+    let Some(node) = fields.optional("species") else { return Vec::new() };
+    let Some(species) = Fields::of(node, "species", faults) else { return Vec::new() };
+    let mut found = Vec::new();
+    for (key, value) in species.entries() {
+        let index = species_index(&key.name, &key.place, network, faults);
+        let amount = initial::amount(value, domain.dimensions, network, faults);
+        if let (Some(index), Some(amount)) = (index, amount) {
+            found.push((index, amount));
+        }
+    }
+    found
+}
+
+fn sponge(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Faults) -> Option<What> {
+    let mut fields = Fields::of(node, "sponge", faults)?;
+    let group = group(&mut fields, domain, faults);
+    let rate = fields.required("rate", faults).and_then(|n| n.positive(Dimension::RATE, faults));
+    let velocity = match fields.optional("velocity") {
+        Some(n) => Some(pad(&n.vector(Dimension::VELOCITY, domain.dimensions, faults)?)),
+        None => None,
+    };
+    let species = amounts(&mut fields, domain, network, faults);
+    fields.finish(faults);
+    for (_, amount) in &species {
+        if !matches!(amount, Amount::Concentration(_) | Amount::Field(_)) {
+            faults.at(&node.place, "a sponge draws towards a concentration", "give it with a unit, e.g. L: 1 uM");
+            return None;
+        }
+    }
+    Some(What::Sponge { group: group?, rate: rate?, velocity, species })
+}
+
+fn held(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Faults) -> Option<What> {
+    let mut fields = Fields::of(node, "held", faults)?;
+    let group = group(&mut fields, domain, faults);
+    let species = amounts(&mut fields, domain, network, faults);
+    let deal = match fields.optional("deal") {
+        None => Deal::Even,
+        Some(n) => n.choice(&[("count", Deal::Even), ("poisson", Deal::Poisson)], faults)?,
+    };
+    fields.finish(faults);
+    let group = group?;
+    if domain.groups[group].material == Material::Zone && domain.fluid.is_some() {
+        faults.at(
+            &node.place,
+            format!("`{}` is a zone that particles pass through; amounts cannot be held in it", domain.groups[group].name),
+            "use a sponge with a large rate",
+        );
+        return None;
+    }
+    Some(What::Held { group, species, deal })
+}
+
+fn source(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Faults) -> Option<What> {
+    let mut fields = Fields::of(node, "source", faults)?;
+    let group = group(&mut fields, domain, faults);
+    let species_node = fields.required("species", faults);
+    fields.finish(faults);
+    let dimension = match network.kinetics {
+        Kinetics::Concentration => Dimension::CONCENTRATION / Dimension::TIME,
+        Kinetics::Molecules => Dimension::RATE,
+    };
+    let mut species = Vec::new();
+    for (key, value) in Fields::of(species_node?, "species", faults)?.entries() {
+        let index = species_index(&key.name, &key.place, network, faults);
+        let rate = value.non_negative(dimension, faults);
+        if let (Some(index), Some(rate)) = (index, rate) {
+            species.push((index, rate));
+        }
+    }
+    Some(What::Source { group: group?, species })
+}
+
+fn barrier(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<What> {
+    let mut fields = Fields::of(node, "barrier", faults)?;
+    let axis = fields.required("axis", faults).and_then(|n| n.choice(&[("x", 0), ("y", 1), ("z", 2)], faults));
+    let at = fields.required("at", faults).and_then(|n| n.quantity(Dimension::LENGTH, faults));
+    fields.finish(faults);
+    let (axis, at) = (axis?, at?);
+    if axis >= domain.dimensions || at < domain.min[axis] || at > domain.max[axis] {
+        faults.at(
+            &node.place,
+            format!("the barrier across {} at {:.4} um lies outside the box", axis_name(axis), at * 1e6),
+            "it must cut the box",
+        );
+        return None;
+    }
+    Some(What::Barrier { axis, at })
+}
+
+fn moving_wall(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<What> {
+    let d = domain.dimensions;
+    let mut fields = Fields::of(node, "moving_wall", faults)?;
+    let wall = wall_named(&mut fields, domain, faults);
+    let velocity = match fields.optional("velocity") {
+        Some(n) => Some(pad(&n.vector(Dimension::VELOCITY, d, faults)?)),
+        None => None,
+    };
+    let travels = match fields.optional("travels") {
+        Some(n) => n.boolean(faults)?,
+        None => false,
+    };
+    let frequency = match fields.optional("frequency") {
+        Some(n) => Some(n.positive(Dimension::RATE, faults)?),
+        None => None,
+    };
+    let rotation = match fields.optional("rotation") {
+        Some(n) => Some(n.quantity(Dimension::RATE, faults)?),
+        None => None,
+    };
+    let centre = match fields.optional("centre") {
+        Some(n) => pad(&n.vector(Dimension::LENGTH, d, faults)?),
+        None => Vector::zeros(),
+    };
+    let axis = match fields.optional("axis") {
+        Some(n) => pad(&n.vector(Dimension::NONE, d, faults)?),
+        None => Vector::from([0.0, 0.0, 1.0]),
+    };
+    fields.finish(faults);
+    let wall = wall?;
+    let motion = match (velocity, frequency, rotation) {
+        (Some(velocity), None, None) if travels => WallMotion::Travel(velocity),
+        (Some(velocity), None, None) => WallMotion::Belt(velocity),
+        (Some(velocity), Some(frequency), None) => WallMotion::Oscillate { velocity, frequency },
+        (None, None, Some(rate)) => WallMotion::Rotate { centre, rate, axis: axis.normalize() },
+        _ => {
+            faults.at(
+                &node.place,
+                "a moving wall has a velocity (and perhaps a frequency), or a rotation",
+                "for example { in: lid, velocity: [1 mm/s, 0] } or { in: rotor, rotation: 10 1/s, centre: [0, 0] }",
+            );
+            return None;
+        }
+    };
+    Some(What::MovingWall { wall, motion })
+}
+
+/// The wall that `in` names: a group of wall particles, or a side of the box that is not periodic.
+fn wall_named(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults) -> Option<WallName> {
+    let node = fields.required("in", faults)?;
+    let name = node.text(faults)?;
+    for axis in 0..domain.dimensions {
+        for upper in [false, true] {
+            if name == format!("{}_{}", axis_name(axis), if upper { "max" } else { "min" }) {
+                if domain.boundaries[axis] == Boundary::Periodic {
+                    faults.at(
+                        &node.place,
+                        format!("the box is periodic along {}; there is no wall", axis_name(axis)),
+                        "set the boundary to no_slip or free_slip",
+                    );
+                    return None;
+                }
+                return Some(WallName::Side { axis, upper });
+            }
+        }
+    }
+    let names: Vec<String> = domain.groups.iter().map(|group| group.name.clone()).collect();
+    let group = group_index(name, &node.place, &names, faults)?;
+    if !matches!(domain.groups[group].material, Material::Wall { .. }) {
+        faults.at(&node.place, format!("group `{name}` is no wall"), "set its material: wall");
+        return None;
+    }
+    Some(WallName::Group(group))
+}
+
+fn force(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<What> {
+    let mut fields = Fields::of(node, "force", faults)?;
+    let acceleration = fields
+        .required("acceleration", faults)
+        .and_then(|n| n.vector(Dimension::ACCELERATION, domain.dimensions, faults));
+    fields.finish(faults);
+    Some(What::Force { acceleration: pad(&acceleration?) })
+}

@@ -1,0 +1,249 @@
+//! From files to a checked [`Model`]: every fault of every file in one report.
+
+use super::node::{self, Node, Value};
+use super::reader::{Faults, Fields};
+use super::{Chemistry, Method, Model, Places, domain, initial, output, reactions};
+use crate::chemistry::{Network, Representation};
+use crate::error::{Fault, ModelError, Place, Source};
+use crate::quantity::Dimension;
+use crate::record::ModelText;
+use sha2::{Digest, Sha256};
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+/// What a file turned out to hold.
+pub enum Document {
+    Model(Box<Model>),
+    Reactions(Network),
+}
+
+/// Reads a model, with the values of `--set path.to.key=value` put in.
+pub fn model(path: &Path, overrides: &[String]) -> Result<Model, ModelError> {
+    match document(path, overrides)? {
+        Document::Model(model) => Ok(*model),
+        Document::Reactions(_) => Err(Fault::general(
+            format!("{} is a reactions file, not a model", path.display()),
+            "a model has `reactions`, `domain` and `run`; use `gillesph network` or `gillesph check` on a reactions file",
+        )
+        .into()),
+    }
+}
+
+/// Reads a model or a reactions file.
+pub fn document(path: &Path, overrides: &[String]) -> Result<Document, ModelError> {
+    let source = read_file(path, None)?;
+    let mut root = node::parse(&source)?;
+    let mut faults = Faults::default();
+    for assignment in overrides {
+        if let Err(fault) = node::set(&mut root, assignment) {
+            faults.list.push(fault);
+        }
+    }
+    let is_reactions = matches!(&root.value, Value::Map(entries)
+        if entries.iter().any(|(k, _)| k.name == "species") && !entries.iter().any(|(k, _)| k.name == "domain"));
+    if is_reactions {
+        let network = reactions::read(&root, &mut faults);
+        return match network {
+            Some(network) if faults.list.is_empty() => Ok(Document::Reactions(network)),
+            _ => Err(faults.into_error()),
+        };
+    }
+    let mut text =
+        ModelText { hash: String::new(), files: vec![(source.path.clone(), source.text.clone())], overrides: overrides.to_vec() };
+    let model = read(&root, path, &mut text, &mut faults);
+    match model {
+        Some(mut model) if faults.list.is_empty() => {
+            text.hash = hash(&text);
+            model.text = text;
+            Ok(Document::Model(Box::new(model)))
+        }
+        _ => Err(faults.into_error()),
+    }
+}
+
+fn hash(text: &ModelText) -> String {
+    let mut hasher = Sha256::new();
+    for (_, content) in &text.files {
+        hasher.update((content.len() as u64).to_le_bytes());
+        hasher.update(content.as_bytes());
+    }
+    for assignment in &text.overrides {
+        hasher.update((assignment.len() as u64).to_le_bytes());
+        hasher.update(assignment.as_bytes());
+    }
+    hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn read_file(path: &Path, asked_at: Option<&Place>) -> Result<Arc<Source>, Fault> {
+    let shown = path.display().to_string();
+    std::fs::read_to_string(path).map(|text| Arc::new(Source { path: shown.clone(), text })).map_err(|error| {
+        let reason = match error.kind() {
+            std::io::ErrorKind::NotFound => format!("the file {shown} does not exist"),
+            std::io::ErrorKind::InvalidData => format!("the file {shown} is not text in UTF-8"),
+            _ => format!("the file {shown} cannot be read: {error}"),
+        };
+        let remedy = "check the path; paths in a model are relative to the model file";
+        match asked_at {
+            Some(place) => Fault::at(place, reason, remedy),
+            None => Fault::general(reason, "check the path"),
+        }
+    })
+}
+
+/// `models/../reactions/x.yaml` -> `reactions/x.yaml`, so that messages show what a user would type.
+fn tidy(path: &Path) -> PathBuf {
+    let mut tidy = PathBuf::new();
+    for part in path.components() {
+        let above = tidy.components().next_back();
+        match part {
+            Component::ParentDir if matches!(above, Some(Component::Normal(_))) => {
+                tidy.pop();
+            }
+            Component::CurDir => {}
+            other => tidy.push(other),
+        }
+    }
+    tidy
+}
+
+fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> Option<Model> {
+    let mut fields = Fields::of(root, "the model", faults)?;
+    let name = fields.required("name", faults).and_then(|n| {
+        let name = n.text(faults)?;
+        if name.is_empty() || name.contains(['/', '\\']) || name.starts_with('.') {
+            faults.at(&n.place, format!("`{name}` cannot name a folder"), "use letters, digits, - and _");
+            return None;
+        }
+        Some(name.to_string())
+    });
+    let description = match fields.optional("description") {
+        Some(n) => n.text(faults).unwrap_or_default().to_string(),
+        None => String::new(),
+    };
+    let network_node = fields.required("reactions", faults);
+    let domain_node = fields.required("domain", faults);
+    let sections = [
+        fields.optional("particles"),
+        fields.optional("groups"),
+        fields.optional("fluid"),
+        fields.optional("conditions"),
+    ];
+    let chemistry_node = fields.optional("chemistry");
+    let initial_node = fields.optional("initial");
+    let run_node = fields.required("run", faults);
+    let output_node = fields.optional("output");
+    fields.finish(faults);
+
+    let network = network_node.and_then(|n| network(n, path, text, faults));
+    let run = run_node.and_then(|n| output::read_run(n, faults));
+    let chemistry = chemistry(chemistry_node, faults);
+    let network = network?;
+    let domain = domain_node.and_then(|node| {
+        domain::read(
+            &domain::Sections {
+                domain: node,
+                particles: sections[0],
+                groups: sections[1],
+                fluid: sections[2],
+                conditions: sections[3],
+            },
+            &network,
+            faults,
+        )
+    });
+    let domain = domain?;
+    check_only_in(&network, &domain, faults);
+    let initial = initial::read(initial_node, &domain, &network, faults);
+    let run = run?;
+    let output = output::read_output(output_node, run.until, &domain, &network, faults);
+    let place = |node: Option<&Node>| node.map_or_else(|| root.place.clone(), |n| n.place.clone());
+    Some(Model {
+        name: name?,
+        description,
+        network,
+        domain,
+        chemistry: chemistry?,
+        initial,
+        run,
+        output: output?,
+        text: ModelText::default(),
+        places: Places {
+            document: root.place.clone(),
+            domain: place(domain_node),
+            chemistry: place(chemistry_node.or(domain_node)),
+            fluid: place(sections[2].or(domain_node)),
+            run: place(run_node),
+        },
+    })
+}
+
+/// The network given inline, or in a file of its own.
+fn network(node: &Node, model_path: &Path, text: &mut ModelText, faults: &mut Faults) -> Option<Network> {
+    if matches!(node.value, Value::Map(_)) {
+        return reactions::read(node, faults);
+    }
+    let relative = node.text(faults)?;
+    let path = tidy(&model_path.parent().unwrap_or(Path::new("")).join(relative));
+    match read_file(&path, Some(&node.place)) {
+        Err(fault) => {
+            faults.list.push(fault);
+            None
+        }
+        Ok(source) => {
+            text.files.push((source.path.clone(), source.text.clone()));
+            match node::parse(&source) {
+                Ok(root) => reactions::read(&root, faults),
+                Err(error) => {
+                    faults.list.extend(error.faults);
+                    None
+                }
+            }
+        }
+    }
+}
+
+fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
+    let mut chemistry =
+        Chemistry { representation: Representation::Discrete, method: None, step: None, hops: 0.5, change: 0.1 };
+    let Some(node) = node else { return Some(chemistry) };
+    let mut fields = Fields::of(node, "chemistry", faults)?;
+    if let Some(n) = fields.optional("representation") {
+        chemistry.representation = n.choice(
+            &[("discrete", Representation::Discrete), ("continuous", Representation::Continuous)],
+            faults,
+        )?;
+    }
+    if let Some(n) = fields.optional("method") {
+        chemistry.method = Some(n.choice(
+            &[("direct", Method::Direct), ("next_subvolume", Method::NextSubvolume), ("split", Method::Split)],
+            faults,
+        )?);
+    }
+    if let Some(n) = fields.optional("step") {
+        chemistry.step = Some(n.positive(Dimension::TIME, faults)?);
+    }
+    if let Some(n) = fields.optional("hops") {
+        chemistry.hops = n.positive(Dimension::NONE, faults)?;
+    }
+    if let Some(n) = fields.optional("change") {
+        chemistry.change = n.positive(Dimension::NONE, faults)?;
+    }
+    fields.finish(faults);
+    Some(chemistry)
+}
+
+/// Every `only_in` must name a group of the domain.
+fn check_only_in(network: &Network, domain: &domain::Domain, faults: &mut Faults) {
+    let groups = domain.group_names();
+    let mut check = |only_in: &Option<Vec<crate::chemistry::network::Named>>| {
+        for named in only_in.iter().flatten() {
+            domain::group_index(&named.name, &named.place, &groups, faults);
+        }
+    };
+    for species in &network.species {
+        check(&species.only_in);
+    }
+    for reaction in &network.reactions {
+        check(&reaction.only_in);
+    }
+}

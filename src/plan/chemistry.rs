@@ -1,0 +1,251 @@
+//! From the checked network to the reactor: representations, habitats, sources, the choice of method.
+
+use super::Column;
+use crate::chemistry::analysis::Analysis;
+use crate::chemistry::network::Named;
+use crate::chemistry::{GroupSet, Kinetics, Network, Propensities, Rate, Reaction, Reactor, Representation};
+use crate::error::Fault;
+use crate::model::conditions::What;
+use crate::model::{Domain, Material, Method, Model};
+
+/// The network with one zero-order reaction for each source among the conditions.
+#[must_use]
+pub fn with_sources(model: &Model) -> Network {
+    let mut network = model.network.clone();
+    let Domain::Particles(domain) = &model.domain else { return network };
+    for condition in &domain.conditions {
+        let What::Source { group, species } = &condition.what else { continue };
+        for &(s, rate) in species {
+            let name = &network.species[s].name;
+            network.reactions.push(Reaction {
+                name: format!("{} {name}", condition.name),
+                equation: format!("0 -> {name}"),
+                reactants: Vec::new(),
+                products: vec![(s, 1)],
+                rate: Rate::MassAction(rate),
+                only_in: Some(vec![Named {
+                    name: domain.groups[*group].name.clone(),
+                    place: condition.place.clone(),
+                }]),
+                place: condition.place.clone(),
+            });
+        }
+    }
+    network
+}
+
+/// Whether each species is carried as whole molecules.
+#[must_use]
+pub fn discrete(model: &Model, network: &Network) -> Vec<bool> {
+    network
+        .species
+        .iter()
+        .map(|species| {
+            species.representation.unwrap_or(model.chemistry.representation) == Representation::Discrete
+        })
+        .collect()
+}
+
+/// The method for compartments: event driven if all species are discrete, split otherwise.
+pub fn method(model: &Model, discrete: &[bool], volumes: usize, faults: &mut Vec<Fault>) -> Method {
+    let all_discrete = discrete.iter().all(|&d| d);
+    let natural = if volumes == 1 { Method::Direct } else { Method::NextSubvolume };
+    match model.chemistry.method {
+        None if all_discrete => natural,
+        None => Method::Split,
+        Some(method @ (Method::Direct | Method::NextSubvolume)) if !all_discrete => {
+            faults.push(Fault::at(
+                &model.places.chemistry,
+                "an event-driven method needs discrete species, and some are continuous",
+                "set method: split, or make all species discrete",
+            ));
+            method
+        }
+        Some(Method::Direct) if volumes > 1 => {
+            faults.push(Fault::at(
+                &model.places.chemistry,
+                "the direct method is for one volume, and this model has several",
+                "set method: next_subvolume",
+            ));
+            Method::Direct
+        }
+        Some(method) => method,
+    }
+}
+
+/// Classes of volumes for `only_in`: the class of each volume, and for each named group its classes.
+#[must_use]
+pub fn classes(network: &Network, domain: &Domain) -> (Vec<u8>, Vec<Vec<u8>>) {
+    let names = domain.group_names();
+    let lists = network
+        .species
+        .iter()
+        .filter_map(|s| s.only_in.as_ref())
+        .chain(network.reactions.iter().filter_map(|r| r.only_in.as_ref()));
+    let mut home = vec![0_u8; names.len()];
+    let mut next = 1_u8;
+    for named in lists.flatten() {
+        if let Some(i) = names.iter().position(|name| *name == named.name) {
+            if home[i] == 0 && next < 255 {
+                home[i] = next;
+                next += 1;
+            }
+        }
+    }
+    let groups = home.iter().map(|&class| vec![class]).collect();
+    (home, groups)
+}
+
+fn set_of(only_in: Option<&Vec<Named>>, names: &[String], groups: &[Vec<u8>]) -> GroupSet {
+    let Some(list) = only_in else { return GroupSet::ALL };
+    let mut bits = 0;
+    for named in list {
+        if let Some(i) = names.iter().position(|name| *name == named.name) {
+            bits |= groups[i].iter().fold(0, |bits, &class| bits | 1_u64.checked_shl(u32::from(class)).unwrap_or(0));
+        }
+    }
+    GroupSet(bits)
+}
+
+/// The reactor; faults where a species is confined to a zone.
+pub fn reactor(
+    model: &Model,
+    network: &Network,
+    discrete: Vec<bool>,
+    groups: &[Vec<u8>],
+    faults: &mut Vec<Fault>,
+) -> Reactor {
+    let names = model.domain.group_names();
+    let mut habitat: Vec<GroupSet> =
+        network.species.iter().map(|species| set_of(species.only_in.as_ref(), &names, groups)).collect();
+    if let Domain::Particles(domain) = &model.domain {
+        let boundary = domain.groups.len();
+        for (s, set) in habitat.iter_mut().enumerate() {
+            for (g, group) in domain.groups.iter().enumerate() {
+                if group.holds.as_ref().is_some_and(|held| !held.contains(&s)) || group.material == Material::Zone {
+                    set.0 &= !(1 << g);
+                }
+            }
+            set.0 &= !(1 << boundary); // walls round the box hold nothing
+        }
+        for species in &network.species {
+            for named in species.only_in.iter().flatten() {
+                if domain.group(&named.name).is_some_and(|g| domain.groups[g].material == Material::Zone) {
+                    faults.push(Fault::at(
+                        &named.place,
+                        format!("`{}` is a zone that particles pass through; a species cannot be confined to it", named.name),
+                        "name the groups whose particles may carry the species; reactions may name zones",
+                    ));
+                }
+            }
+        }
+    }
+    let active = network.reactions.iter().map(|r| set_of(r.only_in.as_ref(), &names, groups)).collect();
+    Reactor {
+        species: network.species.iter().map(|species| species.name.clone()).collect(),
+        reactions: network.reactions.iter().map(|reaction| reaction.name.clone()).collect(),
+        propensities: Propensities::compile(network, &discrete),
+        discrete,
+        diffusivity: network.species.iter().map(|species| species.diffusion).collect(),
+        habitat,
+        active,
+    }
+}
+
+/// What the series record: every group with every species that can be there, then the sum `all`.
+#[must_use]
+pub fn columns(model: &Model, reactor: &Reactor, groups: &[Vec<u8>]) -> Vec<Column> {
+    let count = reactor.species.len();
+    let mut found = Vec::new();
+    if !matches!(model.domain, Domain::WellMixed { .. }) {
+        for (g, classes) in groups.iter().enumerate() {
+            for s in 0..count {
+                if may_hold(model, reactor, g, classes, s) {
+                    found.push(Column { group: Some(g), species: s });
+                }
+            }
+        }
+    }
+    found.extend((0..count).map(|species| Column { group: None, species }));
+    found
+}
+
+/// Whether group `g` may ever hold species `s`; a zone holds what some group of fluid holds.
+fn may_hold(model: &Model, reactor: &Reactor, g: usize, classes: &[u8], s: usize) -> bool {
+    if let Domain::Particles(domain) = &model.domain {
+        if domain.groups[g].material == Material::Zone {
+            return domain
+                .groups
+                .iter()
+                .enumerate()
+                .any(|(other, group)| group.material == Material::Fluid && reactor.habitat[s].holds(other as u8));
+        }
+    }
+    classes.iter().any(|&class| reactor.habitat[s].holds(class))
+}
+
+/// Conserved sums in words and their coefficients by species.
+#[must_use]
+pub fn conservation_laws(network: &Network, analysis: &Analysis) -> Vec<(String, Vec<f64>)> {
+    analysis
+        .conservation_laws
+        .iter()
+        .map(|law| {
+            let coefficients: Vec<f64> = law.iter().map(|&c| c as f64).collect();
+            let mut words = String::new();
+            for (species, &c) in network.species.iter().zip(law) {
+                if c == 0 {
+                    continue;
+                }
+                let sign = match (words.is_empty(), c < 0) {
+                    (true, false) => "",
+                    (true, true) => "-",
+                    (false, false) => " + ",
+                    (false, true) => " - ",
+                };
+                words.push_str(sign);
+                if c.abs() != 1 {
+                    words.push_str(&format!("{} ", c.abs()));
+                }
+                words.push_str(&species.name);
+            }
+            (words, coefficients)
+        })
+        .collect()
+}
+
+/// Two immobile species X and Y conserved as X + Y, where X and another species bind to Y: (X, Y).
+/// Their fraction Y/(X + Y) is the occupancy.
+#[must_use]
+pub fn receptor_pairs(network: &Network, analysis: &Analysis) -> Vec<(usize, usize)> {
+    let mut pairs = Vec::new();
+    for law in &analysis.conservation_laws {
+        let members: Vec<usize> = (0..law.len()).filter(|&s| law[s] != 0).collect();
+        let [a, b] = members[..] else { continue };
+        if law[a] != law[b] || network.species[a].diffusion > 0.0 || network.species[b].diffusion > 0.0 {
+            continue;
+        }
+        let binds = |from: usize, to: usize| {
+            network.reactions.iter().any(|r| {
+                r.reactants.iter().any(|&(s, _)| s == from)
+                    && r.products.iter().any(|&(s, _)| s == to)
+                    && r.order() == 2
+            })
+        };
+        if binds(a, b) {
+            pairs.push((a, b));
+        } else if binds(b, a) {
+            pairs.push((b, a));
+        }
+    }
+    pairs
+}
+
+/// The unit of a rate constant's kinetics in words, for messages.
+#[must_use]
+pub fn kinetics_words(kinetics: Kinetics) -> &'static str {
+    match kinetics {
+        Kinetics::Concentration => "concentration",
+        Kinetics::Molecules => "molecules",
+    }
+}

@@ -1,0 +1,102 @@
+//! What would not fit: memory and numbers of steps.
+
+use crate::error::{Fault, ModelError};
+use crate::model::{Domain, Material, Model};
+
+/// More steps than this are refused.
+pub const MOST_STEPS: f64 = 1e9;
+
+/// Rough numbers of a model before anything is made.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Estimate {
+    pub voxels: f64,
+    /// Neighbours within the cut-off.
+    pub neighbours: f64,
+    pub bytes: f64,
+}
+
+/// Counts voxels and memory of a model for a number of realizations.
+#[must_use]
+pub fn estimate(model: &Model, realizations: u32) -> Estimate {
+    let species = model.network.species.len() as f64;
+    let (voxels, neighbours) = match &model.domain {
+        Domain::WellMixed { .. } => (1.0, 0.0),
+        Domain::Graph { volumes, links, .. } => {
+            (volumes.len() as f64, 2.0 * links.len() as f64 / volumes.len() as f64)
+        }
+        Domain::Particles(domain) => {
+            let d = domain.dimensions as i32;
+            let content = |min: &crate::vector::Vector<3>, max: &crate::vector::Vector<3>| -> f64 {
+                (0..domain.dimensions).map(|k| (max[k] - min[k]).max(0.0)).product()
+            };
+            let count: f64 = domain
+                .groups
+                .iter()
+                .filter(|group| group.material != Material::Zone)
+                .map(|group| {
+                    let (low, high) = group.shape.bounds(&domain.min, &domain.max);
+                    content(&low, &high) / group.spacing.powi(d)
+                })
+                .sum();
+            let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][domain.dimensions - 1];
+            (count, ball * domain.support.powi(d))
+        }
+    };
+    let columns = (model.domain.group_names().len() + 1) as f64 * species;
+    // A particle's state and lists; a neighbour's entry in lists, links and tables; a realization's amounts,
+    // clocks and scratch; a number of the series and its concentration.
+    let bytes = voxels * (400.0 + neighbours * 40.0)
+        + f64::from(realizations) * voxels * (16.0 * species + 8.0)
+        + f64::from(realizations) * columns * model.output.times.len() as f64 * 32.0;
+    Estimate { voxels, neighbours, bytes }
+}
+
+/// Memory that is free, bytes, where the system tells.
+#[must_use]
+pub fn available_memory() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kib * 1024.0)
+}
+
+/// Refuses a model that needs more memory than there is.
+pub fn check_memory(model: &Model, realizations: u32) -> Result<(), ModelError> {
+    let need = estimate(model, realizations);
+    let there = available_memory().unwrap_or(64.0 * 1024.0_f64.powi(3));
+    if need.bytes <= 0.9 * there && need.voxels < f64::from(u32::MAX) {
+        return Ok(());
+    }
+    Err(Fault::at(
+        &model.places.domain,
+        format!(
+            "the model would need about {:.1} GB of memory ({:.3e} voxels with {:.0} neighbours, {realizations} realizations), and {:.1} GB are free",
+            need.bytes / 1e9,
+            need.voxels,
+            need.neighbours,
+            there / 1e9
+        ),
+        "make the spacing coarser or the domain smaller, ask for fewer realizations at a time (--realizations A..B), or fewer output times",
+    )
+    .into())
+}
+
+/// Refuses a run of too many steps.
+pub fn check_steps(
+    place: &crate::error::Place,
+    what: &str,
+    step: f64,
+    limited_by: &str,
+    duration: f64,
+) -> Result<(), ModelError> {
+    let steps = duration / step;
+    if steps <= MOST_STEPS {
+        return Ok(());
+    }
+    Err(Fault::at(
+        place,
+        format!("{steps:.3e} {what} steps of {step:.3e} s would be needed for {duration:.3e} s; at most 1e9 are allowed"),
+        format!("the step is limited by {limited_by}; relax that, or make run.until shorter"),
+    )
+    .into())
+}

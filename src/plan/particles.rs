@@ -1,0 +1,356 @@
+//! Particles of a model: places, bodies of the flow, zones, barriers, sponges.
+
+use crate::error::Fault;
+use crate::fluid::{Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge};
+use crate::geometry::shape::embed;
+use crate::geometry::{Fill, Shape, fill};
+use crate::model::conditions::{WallMotion, WallName, What};
+use crate::model::domain::{Group, axis_name};
+use crate::model::{Amount, Boundary, Deal, FluidModel, Material, Model, ParticleDomain};
+use crate::random::{Purpose, stream};
+use crate::vector::Vector;
+use std::sync::Arc;
+
+/// All particles of a model at the start, and what acts on them. Voxels are particles, same index.
+pub struct ParticlePlan<const D: usize> {
+    pub domain: Domain<D>,
+    pub kernel: KernelKind,
+    /// Kernel cut-off h, m.
+    pub cutoff: f64,
+    /// Volume (m³) of a particle over its volume in D dimensions (m^D).
+    pub thickness: f64,
+    pub particles: Vec<Placed<D>>,
+    /// Home group of each particle; walls round the box have the number after the last group.
+    pub home: Vec<u8>,
+    /// Whether the particles of each group are wall, walls round the box last.
+    walls: Vec<bool>,
+    /// Zones: group number and region.
+    pub zones: Vec<(u8, Shape)>,
+    pub barriers: Vec<Barrier>,
+    pub sponges: Vec<SpongePlan>,
+    pub held: Vec<HeldPlan>,
+    /// What the flow is built from, if there is one.
+    pub flow: Option<Setup<D>>,
+    /// How long the flow runs before t = 0, s.
+    pub settle: f64,
+}
+
+/// A sponge as the chemistry sees it.
+pub struct SpongePlan {
+    pub group: u8,
+    /// 1/s.
+    pub rate: f64,
+    pub species: Vec<(usize, Amount)>,
+}
+
+/// Held amounts.
+pub struct HeldPlan {
+    pub group: u8,
+    pub species: Vec<(usize, Amount)>,
+    pub deal: Deal,
+}
+
+fn narrow<const D: usize>(x: &Vector<3>) -> Vector<D> {
+    Vector::from_fn(|k, _| x[k])
+}
+
+impl<const D: usize> ParticlePlan<D> {
+    /// Lays out the particles; faults for empty and overlapping groups.
+    pub fn new(model: &Model, domain: &ParticleDomain, faults: &mut Vec<Fault>) -> ParticlePlan<D> {
+        let (min, max) = (narrow::<D>(&domain.min), narrow::<D>(&domain.max));
+        let cutoff = domain.support * domain.spacing;
+        let mut particles = Vec::new();
+        let mut home = Vec::new();
+        let mut bodies: Vec<Body<D>> = Vec::new();
+        if let Some(fluid) = &domain.fluid {
+            let kind = BodyKind::Fluid { density: fluid.density, viscosity: fluid.viscosity };
+            bodies.push(Body { name: "fluid".into(), kind });
+        }
+        let mut random = stream(model.run.seed, 0, Purpose::Placement);
+        let solid: Vec<&Group> = domain.groups.iter().filter(|g| g.material != Material::Zone).collect();
+        for (g, group) in domain.groups.iter().enumerate() {
+            if group.material == Material::Zone {
+                continue;
+            }
+            let others = solid.iter().filter(|other| other.name != group.name && other.shape != Shape::EverythingElse);
+            let without = match group.shape {
+                Shape::EverythingElse => others.map(|other| &other.shape).collect(),
+                _ => Vec::new(),
+            };
+            let region = Fill {
+                shape: &group.shape,
+                without,
+                lattice: group.lattice,
+                spacing: group.spacing,
+                jitter: group.jitter,
+            };
+            let body = match group.material {
+                Material::Wall { free_slip } if domain.fluid.is_some() => {
+                    bodies.push(wall_body(domain, g, group, free_slip));
+                    bodies.len() - 1
+                }
+                _ => 0,
+            };
+            let found = fill::<D>(&region, &min, &max, &mut random);
+            if found.is_empty() {
+                faults.push(Fault::at(
+                    &group.place,
+                    format!("group `{}` has no particles", group.name),
+                    format!("its shape must hold points of a lattice of spacing {:.4} um; make the shape larger or the spacing finer", group.spacing * 1e6),
+                ));
+            }
+            check_overlap(group, &found, &solid, faults);
+            for (position, volume) in found {
+                particles.push(Placed { position, volume, body: body as u8 });
+                home.push(g as u8);
+            }
+        }
+        let mut plan = ParticlePlan {
+            domain: Domain {
+                min,
+                max,
+                periodic: std::array::from_fn(|k| domain.boundaries[k] == Boundary::Periodic),
+            },
+            kernel: domain.kernel,
+            cutoff,
+            thickness: domain.thickness.powi(3 - D as i32),
+            particles,
+            home,
+            walls: domain
+                .groups
+                .iter()
+                .map(|group| matches!(group.material, Material::Wall { .. }))
+                .chain([true])
+                .collect(),
+            zones: domain
+                .groups
+                .iter()
+                .enumerate()
+                .filter(|(_, group)| group.material == Material::Zone)
+                .map(|(g, group)| (g as u8, group.shape.clone()))
+                .collect(),
+            barriers: Vec::new(),
+            sponges: Vec::new(),
+            held: Vec::new(),
+            flow: None,
+            settle: domain.fluid.as_ref().map_or(0.0, |fluid| fluid.settle),
+        };
+        plan.read_conditions(domain);
+        if let Some(fluid) = &domain.fluid {
+            plan.add_side_walls(domain, &mut bodies);
+            plan.flow = Some(plan.setup(domain, fluid, bodies));
+            plan.check_periodic_extent(model, faults);
+        }
+        plan
+    }
+
+    /// The kernel of this plan.
+    #[must_use]
+    pub fn kernel(&self) -> Kernel<D> {
+        Kernel::new(self.kernel, self.cutoff)
+    }
+
+    /// Whether the particles of a home group are wall.
+    #[must_use]
+    pub fn is_wall(&self, home: u8) -> bool {
+        self.walls[usize::from(home)]
+    }
+
+    fn read_conditions(&mut self, domain: &ParticleDomain) {
+        for condition in &domain.conditions {
+            match &condition.what {
+                What::Barrier { axis, at } => self.barriers.push(Barrier { axis: *axis, at: *at }),
+                What::Sponge { group, rate, species, .. } if !species.is_empty() => {
+                    self.sponges.push(SpongePlan { group: *group as u8, rate: *rate, species: species.clone() });
+                }
+                What::Held { group, species, deal } => {
+                    self.held.push(HeldPlan { group: *group as u8, species: species.clone(), deal: *deal });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Layers of wall particles, as thick as the cut-off, behind every side that is not periodic.
+    fn add_side_walls(&mut self, domain: &ParticleDomain, bodies: &mut Vec<Body<D>>) {
+        let spacing = domain.spacing;
+        let layers = (self.cutoff / spacing - 1e-9).ceil() as i64;
+        let cells: [i64; D] =
+            std::array::from_fn(|k| ((self.domain.max[k] - self.domain.min[k]) / spacing).round() as i64);
+        let margin: [i64; D] = std::array::from_fn(|k| if self.domain.periodic[k] { 0 } else { layers });
+        let boundary = domain.groups.len() as u8;
+        let mut body_of_side = [[None; 2]; 3];
+        for axis in (0..D).filter(|&axis| !self.domain.periodic[axis]) {
+            for upper in [false, true] {
+                let surface_at = if upper { self.domain.max[axis] } else { self.domain.min[axis] };
+                let sign = if upper { -1.0 } else { 1.0 };
+                let slip = match domain.boundaries[axis] {
+                    Boundary::FreeSlip => Slip::FreeSlip,
+                    _ => Slip::NoSlip,
+                };
+                bodies.push(Body {
+                    name: format!("{}_{}", axis_name(axis), if upper { "max" } else { "min" }),
+                    kind: BodyKind::Solid {
+                        slip,
+                        motion: motion(domain, WallName::Side { axis, upper }),
+                        surface: Some(Arc::new(move |x: &Vector<D>| sign * (x[axis] - surface_at))),
+                    },
+                });
+                body_of_side[axis][usize::from(upper)] = Some(bodies.len() - 1);
+            }
+        }
+        let mut cell: [i64; D] = std::array::from_fn(|k| -margin[k]);
+        loop {
+            let side = (0..D).find(|&k| cell[k] < 0 || cell[k] >= cells[k]);
+            if let Some(body) = side.and_then(|k| body_of_side[k][usize::from(cell[k] >= 0)]) {
+                let position =
+                    Vector::from_fn(|k, _| self.domain.min[k] + (cell[k] as f64 + 0.5) * spacing);
+                self.particles.push(Placed { position, volume: spacing.powi(D as i32), body: body as u8 });
+                self.home.push(boundary);
+            }
+            let mut axis = 0;
+            loop {
+                cell[axis] += 1;
+                if cell[axis] < cells[axis] + margin[axis] {
+                    break;
+                }
+                cell[axis] = -margin[axis];
+                axis += 1;
+                if axis == D {
+                    return;
+                }
+            }
+        }
+    }
+
+    fn setup(&self, domain: &ParticleDomain, fluid: &FluidModel, bodies: Vec<Body<D>>) -> Setup<D> {
+        let mut body_force = Vector::<D>::zeros();
+        let mut sponges = Vec::new();
+        for condition in &domain.conditions {
+            match &condition.what {
+                What::Force { acceleration } => body_force += narrow::<D>(acceleration),
+                What::Sponge { group, rate, velocity: Some(velocity), .. } => {
+                    let shape = domain.groups[*group].shape.clone();
+                    let target = narrow::<D>(velocity);
+                    sponges.push(Sponge {
+                        region: Arc::new(move |x: &Vector<D>| shape.holds(&embed(x))),
+                        rate: *rate,
+                        velocity: Arc::new(move |_: &Vector<D>| target),
+                    });
+                }
+                _ => {}
+            }
+        }
+        // The width across which the flow is sheared: the narrowest extent between walls, else of the box.
+        let extents = (0..D).map(|k| (self.domain.periodic[k], self.domain.max[k] - self.domain.min[k]));
+        let between_walls = extents.clone().filter(|e| !e.0).map(|e| e.1).fold(f64::INFINITY, f64::min);
+        let smallest = extents.map(|e| e.1).fold(f64::INFINITY, f64::min);
+        Setup {
+            domain: self.domain.clone(),
+            kernel: self.kernel,
+            cutoff: self.cutoff,
+            spacing: domain.spacing,
+            particles: self.particles.clone(),
+            bodies,
+            reference_speed: fluid.speed,
+            reference_length: if between_walls.is_finite() { between_walls } else { smallest },
+            sound_speed: fluid.sound_speed,
+            pressure_scale: fluid.pressure_scale,
+            body_force,
+            sponges,
+            initial_velocity: narrow::<D>(&fluid.velocity),
+            options: Options::default(),
+        }
+    }
+
+    /// A particle must not see itself round a periodic axis.
+    fn check_periodic_extent(&self, model: &Model, faults: &mut Vec<Fault>) {
+        for k in 0..D {
+            let extent = self.domain.max[k] - self.domain.min[k];
+            if self.domain.periodic[k] && extent < 3.0 * self.cutoff {
+                faults.push(Fault::at(
+                    &model.places.domain,
+                    format!(
+                        "the box is {:.4} um along the periodic axis {}, less than three cut-offs of {:.4} um",
+                        extent * 1e6,
+                        axis_name(k),
+                        self.cutoff * 1e6
+                    ),
+                    "make the box longer, or the spacing or support smaller",
+                ));
+            }
+        }
+    }
+}
+
+fn motion<const D: usize>(domain: &ParticleDomain, wall: WallName) -> Motion<D> {
+    let found = domain.conditions.iter().find_map(|condition| match &condition.what {
+        What::MovingWall { wall: named, motion } if *named == wall => Some(motion),
+        _ => None,
+    });
+    match found {
+        None => Motion::Still,
+        Some(WallMotion::Belt(velocity)) => Motion::Belt { velocity: narrow(velocity) },
+        Some(WallMotion::Travel(velocity)) => Motion::Translating { velocity: narrow(velocity) },
+        Some(WallMotion::Oscillate { velocity, frequency }) => Motion::Oscillating {
+            amplitude: narrow(velocity),
+            frequency: std::f64::consts::TAU * frequency,
+        },
+        Some(WallMotion::Rotate { centre, rate, axis }) => {
+            Motion::Rotating { centre: narrow(centre), rate: (axis * *rate).into() }
+        }
+    }
+}
+
+fn wall_body<const D: usize>(domain: &ParticleDomain, g: usize, group: &Group, free_slip: bool) -> Body<D> {
+    let shape = group.shape.clone();
+    // What no other group claims has no surface of its own that could be tested.
+    let surface: Option<crate::fluid::setup::Surface<D>> = match group.shape {
+        Shape::EverythingElse => None,
+        _ => Some(Arc::new(move |x: &Vector<D>| shape.signed_distance(&embed(x)))),
+    };
+    Body {
+        name: group.name.clone(),
+        kind: BodyKind::Solid {
+            slip: if free_slip { Slip::FreeSlip } else { Slip::NoSlip },
+            motion: motion(domain, WallName::Group(g)),
+            surface,
+        },
+    }
+}
+
+/// No particle of one group may lie inside the shape of another.
+fn check_overlap<const D: usize>(
+    group: &Group,
+    found: &[(Vector<D>, f64)],
+    solid: &[&Group],
+    faults: &mut Vec<Fault>,
+) {
+    if group.shape == Shape::EverythingElse {
+        return;
+    }
+    for other in solid {
+        if other.name == group.name || other.shape == Shape::EverythingElse {
+            continue;
+        }
+        let inside = found
+            .iter()
+            .filter(|(x, _)| other.shape.signed_distance(&embed(x)) < -1e-9 * group.spacing)
+            .count();
+        if inside > 0 {
+            let walls = matches!((group.material, other.material), (Material::Wall { .. }, Material::Wall { .. }));
+            faults.push(Fault::at(
+                &group.place,
+                format!(
+                    "{} `{}` and `{}` overlap: {inside} particles of `{}` lie inside `{}`",
+                    if walls { "the walls" } else { "the groups" },
+                    group.name,
+                    other.name,
+                    group.name,
+                    other.name
+                ),
+                format!("cut one out of the other, e.g. shape: {{ difference: [..., ...] }} for `{}`", group.name),
+            ));
+        }
+    }
+}

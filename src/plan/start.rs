@@ -1,0 +1,175 @@
+//! The amounts at the start, from what the user stated and the volumes there are.
+
+use super::{Arena, Plan};
+use crate::chemistry::AVOGADRO;
+use crate::chemistry::deal::apportion;
+use crate::error::Fault;
+use crate::model::{Amount, Deal, Domain, Initial, Material};
+use crate::vector::Vector;
+
+/// Voxels as they are at an instant, one entry each.
+pub struct Voxels<'a> {
+    /// m; zero in compartments.
+    pub positions: &'a [Vector<3>],
+    /// m³.
+    pub volumes: &'a [f64],
+    pub home: &'a [u8],
+    pub current: &'a [u8],
+}
+
+/// Amounts at the start, voxel by voxel; the Poisson part is dealt anew in each realization.
+#[derive(Clone, Debug, Default)]
+pub struct Start {
+    /// `amounts[voxel * species + s]`, molecules.
+    pub amounts: Vec<f64>,
+    /// Index into `amounts` and mean.
+    pub poisson: Vec<(u32, f64)>,
+    /// Whether an amount is held.
+    pub held: Vec<bool>,
+    /// Held amounts that are dealt Poisson before every step: index and mean.
+    pub held_poisson: Vec<(u32, f64)>,
+}
+
+/// Works out the start.
+#[must_use]
+pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
+    let count = plan.reactor.species.len();
+    let mut start = Start {
+        amounts: vec![0.0; voxels.volumes.len() * count],
+        held: vec![false; voxels.volumes.len() * count],
+        ..Start::default()
+    };
+    for entry in &plan.model.initial {
+        let members = members(plan, voxels, entry.group, entry.species);
+        for (i, mean) in means(plan, voxels, &members, entry.species, &entry.amount, entry.deal) {
+            let index = i * count + entry.species;
+            if entry.deal == Deal::Poisson && plan.reactor.discrete[entry.species] {
+                start.poisson.push((index as u32, mean));
+            } else {
+                start.amounts[index] += mean;
+            }
+        }
+    }
+    if let Some(held) = held_plans(plan) {
+        for held in held {
+            for (s, amount) in &held.species {
+                let members = members(plan, voxels, Some(usize::from(held.group)), *s);
+                for (i, mean) in means(plan, voxels, &members, *s, amount, held.deal) {
+                    let index = i * count + s;
+                    start.held[index] = true;
+                    start.amounts[index] = mean;
+                    if held.deal == Deal::Poisson && plan.reactor.discrete[*s] {
+                        start.held_poisson.push((index as u32, mean));
+                    }
+                }
+            }
+        }
+    }
+    start
+}
+
+fn held_plans(plan: &Plan) -> Option<&[super::particles::HeldPlan]> {
+    match &plan.arena {
+        Arena::Compartments(_) => None,
+        Arena::Line(p) => Some(&p.held),
+        Arena::Plane(p) => Some(&p.held),
+        Arena::Space(p) => Some(&p.held),
+    }
+}
+
+/// Voxels of a group (or everywhere) in which the species may live.
+fn members(plan: &Plan, voxels: &Voxels, group: Option<usize>, species: usize) -> Vec<usize> {
+    let compartments = matches!(plan.arena, Arena::Compartments(_));
+    (0..voxels.volumes.len())
+        .filter(|&i| plan.reactor.habitat[species].holds(voxels.home[i]))
+        .filter(|&i| match group {
+            None => true,
+            Some(g) if compartments => i == g,
+            Some(g) => usize::from(voxels.home[i]) == g || usize::from(voxels.current[i]) == g,
+        })
+        .collect()
+}
+
+/// Mean molecules of a species in each member; whole numbers where they are dealt evenly to a discrete species.
+fn means(
+    plan: &Plan,
+    voxels: &Voxels,
+    members: &[usize],
+    species: usize,
+    amount: &Amount,
+    deal: Deal,
+) -> Vec<(usize, f64)> {
+    let volume = |i: usize| voxels.volumes[i];
+    let weights: Vec<f64> = match amount {
+        Amount::Molecules(_) => members.iter().map(|&i| volume(i)).collect(),
+        Amount::PerParticle(n) => vec![*n; members.len()],
+        Amount::Concentration(c) => members.iter().map(|&i| c * volume(i) * AVOGADRO).collect(),
+        Amount::Field(program) => members
+            .iter()
+            .map(|&i| program.eval(voxels.positions[i].as_slice()).max(0.0) * volume(i) * AVOGADRO)
+            .collect(),
+        Amount::At(place, n) => {
+            let nearest = members.iter().copied().min_by(|&a, &b| {
+                let far = |i: usize| (voxels.positions[i] - place).norm_squared();
+                far(a).total_cmp(&far(b))
+            });
+            return nearest.map(|i| (i, *n)).into_iter().collect();
+        }
+    };
+    let sum: f64 = weights.iter().sum();
+    let total = if let Amount::Molecules(n) = amount { *n } else { sum };
+    let even = plan.reactor.discrete[species] && deal == Deal::Even;
+    let shares: Vec<f64> = if even {
+        apportion(total.round() as u64, &weights).into_iter().map(|n| n as f64).collect()
+    } else {
+        weights.iter().map(|w| if sum > 0.0 { total * w / sum } else { 0.0 }).collect()
+    };
+    members.iter().copied().zip(shares).collect()
+}
+
+/// Target of a sponge in each of its voxels, molecules.
+#[must_use]
+pub fn sponge_targets(voxels: &Voxels, members: &[u32], amount: &Amount) -> Vec<f64> {
+    members
+        .iter()
+        .map(|&i| {
+            let i = i as usize;
+            let concentration = match amount {
+                Amount::Concentration(c) => *c,
+                Amount::Field(program) => program.eval(voxels.positions[i].as_slice()).max(0.0),
+                _ => 0.0, // refused when the model is read
+            };
+            concentration * voxels.volumes[i] * AVOGADRO
+        })
+        .collect()
+}
+
+/// Amounts stated where their species cannot live.
+pub fn check(plan: &Plan, faults: &mut Vec<Fault>) {
+    let names = plan.model.domain.group_names();
+    for Initial { group, species, place, .. } in &plan.model.initial {
+        let name = &plan.reactor.species[*species];
+        let Some(g) = *group else { continue };
+        let fits = plan.columns.iter().any(|column| column.group == Some(g) && column.species == *species);
+        if !fits {
+            faults.push(Fault::at(
+                place,
+                format!("`{name}` cannot live in `{}`", names[g]),
+                "its `only_in`, or the group's `holds`, excludes it; change one of them or remove this amount",
+            ));
+        }
+    }
+    if let Domain::Particles(domain) = &plan.model.domain {
+        for (s, species) in plan.network.species.iter().enumerate() {
+            let anywhere = (0..domain.groups.len())
+                .any(|g| plan.reactor.habitat[s].holds(g as u8) && domain.groups[g].material != Material::Zone);
+            if !anywhere {
+                faults.push(Fault::at(
+                    &species.place,
+                    format!("`{}` can live nowhere", species.name),
+                    "no group both is named in its `only_in` and holds it",
+                ));
+            }
+        }
+    }
+}

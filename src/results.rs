@@ -1,0 +1,141 @@
+//! The folder of a run: its tables, its record, its report.
+
+use crate::error::{Fault, ModelError, RunError};
+use crate::record::RunRecord;
+use crate::sampling::Observed;
+use crate::tables::{self, Columns, ProbeRows, SeriesBlock};
+use std::path::Path;
+
+/// All that a run leaves behind but its particle tables and its figures.
+#[derive(Clone, Debug)]
+pub struct Results {
+    pub record: RunRecord,
+    /// Output times seen, s.
+    pub times: Vec<f64>,
+    pub columns: Columns,
+    /// In order of realization.
+    pub blocks: Vec<SeriesBlock>,
+    pub probes: Vec<ProbeRows>,
+    pub covariance: bool,
+}
+
+impl Results {
+    /// Writes tables and record; the record last, so that a folder with a finished record is complete.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, dir: &Path) -> Result<(), RunError> {
+        tables::write_series(dir, &self.times, &self.columns, &self.blocks)?;
+        tables::write_statistics(dir, &self.times, &self.columns, &self.blocks)?;
+        if self.covariance {
+            tables::write_covariance(dir, &self.times, &self.columns, &self.blocks)?;
+        }
+        if !self.record.histograms.is_empty() {
+            tables::write_histograms(dir, &self.times, &self.columns, &self.blocks, &self.record.histograms)?;
+        }
+        if !self.probes.is_empty() {
+            tables::write_probes(dir, &self.probes)?;
+        }
+        tables::write_record(dir, &self.record)
+    }
+
+    /// Reads a folder back.
+    ///
+    /// # Errors
+    /// A file that is missing or cannot be read.
+    pub fn read(dir: &Path) -> Result<Results, RunError> {
+        let record = tables::read_record(dir)?;
+        let series = tables::read_series(dir)?;
+        let probes =
+            if dir.join("tables/probes.parquet").exists() { tables::read_probes(dir)? } else { Vec::new() };
+        Ok(Results {
+            record,
+            times: series.times,
+            columns: series.columns,
+            blocks: series.blocks,
+            probes,
+            covariance: dir.join("tables/covariance.parquet").exists(),
+        })
+    }
+
+    /// Adds realizations that were just observed and writes their particle tables.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn add(&mut self, dir: &Path, observed: Vec<Observed>, vtk: bool) -> Result<(), RunError> {
+        let species: Vec<String> = self.record.species.iter().map(|s| s.name.clone()).collect();
+        for one in observed {
+            let realization = one.series.realization;
+            if !one.frames.is_empty() {
+                tables::write_particles(dir, realization, 0, &species, &one.frames)?;
+                if vtk {
+                    crate::vtk::write_series(dir, realization, &one.frames, &species)?;
+                }
+            }
+            self.blocks.push(one.series);
+            self.probes.extend(one.probes);
+        }
+        self.blocks.sort_by_key(|block| block.realization);
+        self.probes.sort_by_key(|rows| rows.realization);
+        Ok(())
+    }
+}
+
+/// Joins blocks of one ensemble. The blocks must come from the same program, model and seed, and follow each
+/// other without overlap or gap.
+///
+/// # Errors
+/// What does not fit, all of it.
+pub fn join(mut parts: Vec<(String, Results)>) -> Result<Results, ModelError> {
+    let mut faults = Vec::new();
+    parts.sort_by_key(|(_, part)| part.record.realizations);
+    for (name, part) in &parts {
+        if part.record.status != "finished" {
+            faults.push(Fault::general(
+                format!("{name}: the run is {}, not finished", part.record.status),
+                "finish it with --resume, or run it again",
+            ));
+        }
+    }
+    for pair in parts.windows(2) {
+        let ((first, a), (second, b)) = (&pair[0], &pair[1]);
+        let (a, b) = (&a.record, &b.record);
+        for (what, differs) in [
+            ("models", a.model.hash != b.model.hash),
+            ("seeds", a.seed != b.seed),
+            ("program versions", a.version != b.version),
+        ] {
+            if differs {
+                faults.push(Fault::general(
+                    format!("{first} and {second} have different {what}"),
+                    "blocks of one ensemble come from the same model, seed and program",
+                ));
+            }
+        }
+        let [from, to] = [b.realizations[0], a.realizations[1]];
+        if from < to {
+            faults.push(Fault::general(
+                format!("{first} and {second} overlap: realizations {from}..{}", to.min(b.realizations[1])),
+                "leave one of them out",
+            ));
+        } else if from > to {
+            faults.push(Fault::general(
+                format!("realizations {to}..{from} are missing between {first} and {second}"),
+                format!("run them with --realizations {to}..{from}"),
+            ));
+        }
+    }
+    if !faults.is_empty() {
+        return Err(ModelError { faults });
+    }
+    let mut parts = parts.into_iter().map(|(_, part)| part);
+    let Some(mut whole) = parts.next() else {
+        return Err(Fault::general("no blocks were given", "name the folders to join").into());
+    };
+    for part in parts {
+        whole.record.absorb(&part.record);
+        whole.blocks.extend(part.blocks);
+        whole.probes.extend(part.probes);
+    }
+    Ok(whole)
+}

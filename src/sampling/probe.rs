@@ -1,0 +1,220 @@
+//! Probes: fields read off along lines, and sums over the sectors of a ring.
+
+use crate::chemistry::AVOGADRO;
+use crate::fluid::Interpolator;
+use crate::fluid::interpolate::Carriers;
+use crate::geometry::Shape;
+use crate::geometry::shape::embed;
+use crate::model::{Domain, Material, Probe, ProbeShape};
+use crate::plan::Plan;
+use crate::plan::chemistry::receptor_pairs;
+use crate::simulation::scene::Scene;
+use crate::tables::ProbeRows;
+use crate::vector::Vector;
+
+/// A probe on one geometry.
+pub struct ProbeLens<'p, const D: usize> {
+    plan: &'p Plan,
+    probe: &'p Probe,
+    /// Distance along the line (m) or angle (rad) of each point.
+    s: Vec<f64>,
+    place: Vec<[f64; 3]>,
+    reading: Reading<D>,
+    /// Velocity components at the points, if they are read.
+    velocity: Vec<(String, Vec<f64>)>,
+}
+
+enum Reading<const D: usize> {
+    /// For each species probed, weights of 1/(N_A V) at each point.
+    Line { species: Vec<Interpolator<D>>, per_amount: Vec<f64> },
+    /// For each sector, particles and their share in it, and the volume of all shares (m³).
+    Ring { sectors: Vec<(Vec<(u32, f64)>, f64)> },
+}
+
+impl<'p, const D: usize> ProbeLens<'p, D> {
+    /// Works out the weights of a probe.
+    #[must_use]
+    pub fn new(plan: &'p Plan, probe: &'p Probe, scene: &Scene<D>) -> ProbeLens<'p, D> {
+        match &probe.shape {
+            ProbeShape::Line { from, to, points } => line(plan, probe, scene, from, to, *points),
+            ProbeShape::Ring { centre, inner, outer, sectors, group } => {
+                let (s, place, sectors) = ring(scene, centre, (*inner, *outer), *sectors, *group);
+                ProbeLens { plan, probe, s, place, reading: Reading::Ring { sectors }, velocity: Vec::new() }
+            }
+        }
+    }
+
+    /// Reads a realization.
+    pub fn look(&self, amounts: &[f64], time: f64, realization: u32, flow: bool, rows: &mut Vec<ProbeRows>) {
+        let species = self.plan.reactor.species.len();
+        let mut push = |quantity: &str, values: Vec<f64>| {
+            let kept: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_finite()).collect();
+            if kept.is_empty() {
+                return;
+            }
+            rows.push(ProbeRows {
+                probe: self.probe.name.clone(),
+                realization,
+                time,
+                quantity: quantity.to_string(),
+                s: kept.iter().map(|&k| self.s[k]).collect(),
+                position: kept.iter().map(|&k| self.place[k]).collect(),
+                value: kept.iter().map(|&k| values[k]).collect(),
+            });
+        };
+        match &self.reading {
+            Reading::Line { species: weights, per_amount } => {
+                for (&s, weights) in self.probe.species.iter().zip(weights) {
+                    let values = (0..weights.points())
+                        .map(|k| weights.apply(k, |j| amounts[j * species + s] * per_amount[j]))
+                        .collect();
+                    push(&self.plan.reactor.species[s], values);
+                }
+            }
+            Reading::Ring { sectors } => {
+                let sum = |s: usize| -> Vec<f64> {
+                    sectors
+                        .iter()
+                        .map(|(members, _)| members.iter().map(|&(j, share)| share * amounts[j as usize * species + s]).sum())
+                        .collect()
+                };
+                for &s in &self.probe.species {
+                    let values = sum(s).iter().zip(sectors).map(|(n, (_, v))| n / (AVOGADRO * v)).collect();
+                    push(&self.plan.reactor.species[s], values);
+                }
+                for (free, bound) in receptor_pairs(&self.plan.network, &self.plan.analysis) {
+                    if self.probe.species.contains(&free) && self.probe.species.contains(&bound) {
+                        let (free, held) = (sum(free), sum(bound));
+                        let values = free.iter().zip(&held).map(|(r, rl)| rl / (r + rl)).collect();
+                        push(&occupancy_name(self.plan, bound), values);
+                    }
+                }
+            }
+        }
+        if flow {
+            for (name, values) in &self.velocity {
+                push(name, values.clone());
+            }
+        }
+    }
+}
+
+/// Name of the quantity that tells which fraction of a receptor is bound.
+#[must_use]
+pub fn occupancy_name(plan: &Plan, bound: usize) -> String {
+    let pairs = receptor_pairs(&plan.network, &plan.analysis);
+    if pairs.len() == 1 { "occupancy".into() } else { format!("occupancy {}", plan.reactor.species[bound]) }
+}
+
+fn line<'p, const D: usize>(
+    plan: &'p Plan,
+    probe: &'p Probe,
+    scene: &Scene<D>,
+    from: &Vector<3>,
+    to: &Vector<3>,
+    points: usize,
+) -> ProbeLens<'p, D> {
+    let at = |k: usize| from + (to - from) * (k as f64 / (points - 1) as f64);
+    let places: Vec<Vector<D>> = (0..points).map(|k| Vector::from_fn(|axis, _| at(k)[axis])).collect();
+    let weights_of = |mask: &[bool]| {
+        let carriers = Carriers {
+            positions: &scene.snapshot.position,
+            volumes: &scene.snapshot.volume,
+            mask,
+            domain: &scene.plan.domain,
+        };
+        Interpolator::new(&places, &carriers, &scene.plan.kernel())
+    };
+    let hosts = |s: usize| -> Vec<bool> { scene.plan.home.iter().map(|&g| plan.reactor.habitat[s].holds(g)).collect() };
+    let mut species: Vec<Interpolator<D>> = Vec::new();
+    for (k, &s) in probe.species.iter().enumerate() {
+        // Species that live in the same groups share their weights.
+        let same = probe.species[..k].iter().position(|&other| plan.reactor.habitat[other] == plan.reactor.habitat[s]);
+        let weights = match same {
+            Some(earlier) => species[earlier].clone(),
+            None => weights_of(&hosts(s)).without(|k| !can_be(plan, s, &embed(&places[k]))),
+        };
+        species.push(weights);
+    }
+    let mut velocity = Vec::new();
+    if probe.velocity && scene.flow.is_some() {
+        let fluid: Vec<bool> = scene.plan.home.iter().map(|&g| !scene.plan.is_wall(g)).collect();
+        let weights = weights_of(&fluid).without(|k| in_wall(plan, &embed(&places[k])));
+        for axis in 0..D {
+            let name = format!("v{}", crate::model::domain::axis_name(axis));
+            let values = (0..points).map(|k| weights.apply(k, |j| scene.snapshot.velocity[j][axis])).collect();
+            velocity.push((name, values));
+        }
+    }
+    ProbeLens {
+        plan,
+        probe,
+        s: (0..points).map(|k| (at(k) - from).norm()).collect(),
+        place: (0..points).map(|k| at(k).into()).collect(),
+        reading: Reading::Line { species, per_amount: scene.volumes.iter().map(|v| 1.0 / (AVOGADRO * v)).collect() },
+        velocity,
+    }
+}
+
+/// Whether a species can be at a place: not inside the shape of a group that does not hold it.
+fn can_be(plan: &Plan, s: usize, x: &Vector<3>) -> bool {
+    let Domain::Particles(domain) = &plan.model.domain else { return true };
+    let owner = domain.groups.iter().position(|group| {
+        group.material != Material::Zone && group.shape != Shape::EverythingElse && group.shape.holds(x)
+    });
+    match owner {
+        Some(g) => plan.reactor.habitat[s].holds(g as u8),
+        None => domain
+            .groups
+            .iter()
+            .enumerate()
+            .any(|(g, group)| group.shape == Shape::EverythingElse && plan.reactor.habitat[s].holds(g as u8)),
+    }
+}
+
+fn in_wall(plan: &Plan, x: &Vector<3>) -> bool {
+    let Domain::Particles(domain) = &plan.model.domain else { return false };
+    domain.groups.iter().any(|group| {
+        matches!(group.material, Material::Wall { .. }) && group.shape != Shape::EverythingElse && group.shape.holds(x)
+    })
+}
+
+type Sectors = Vec<(Vec<(u32, f64)>, f64)>;
+
+/// Sectors centred on multiples of 2π/n, and the share of each particle's arc that lies in each.
+fn ring<const D: usize>(
+    scene: &Scene<D>,
+    centre: &Vector<3>,
+    (inner, outer): (f64, f64),
+    count: usize,
+    group: Option<usize>,
+) -> (Vec<f64>, Vec<[f64; 3]>, Sectors) {
+    let width = std::f64::consts::TAU / count as f64;
+    let mut sectors: Sectors = vec![(Vec::new(), 0.0); count];
+    for (i, x) in scene.positions.iter().enumerate() {
+        let apart = x - centre;
+        let r = apart.norm();
+        let member = group.is_none_or(|g| usize::from(scene.plan.home[i]) == g || usize::from(scene.current[i]) == g);
+        if !member || r < inner || r > outer || r == 0.0 {
+            continue;
+        }
+        // The particle stands for an arc as long as its own width.
+        let half = (0.5 * scene.snapshot.volume[i].powf(1.0 / D as f64) / r).min(std::f64::consts::PI);
+        let angle = apart[1].atan2(apart[0]);
+        let (low, high) = ((angle - half) / width + 0.5, (angle + half) / width + 0.5);
+        for k in low.floor() as i64..=high.floor() as i64 {
+            let overlap = high.min((k + 1) as f64) - low.max(k as f64);
+            if overlap > 0.0 {
+                let share = overlap / (high - low);
+                let (members, volume) = &mut sectors[k.rem_euclid(count as i64) as usize];
+                members.push((i as u32, share));
+                *volume += share * scene.volumes[i];
+            }
+        }
+    }
+    let middle = 0.5 * (inner + outer);
+    let angles: Vec<f64> = (0..count).map(|k| k as f64 * width).collect();
+    let places =
+        angles.iter().map(|a| [centre[0] + middle * a.cos(), centre[1] + middle * a.sin(), 0.0]).collect();
+    (angles, places, sectors)
+}

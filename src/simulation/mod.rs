@@ -1,0 +1,109 @@
+//! Realizations: the flow and the chemistry in turn, observed at the output times.
+
+pub mod clock;
+pub mod compartments;
+pub mod particles;
+pub mod scene;
+pub mod watch;
+
+use crate::error::{ModelError, RunError};
+use crate::plan::{Arena, Plan};
+use crate::record::StepsRecord;
+use crate::sampling::Observed;
+
+pub use watch::Watch;
+
+/// What a block of realizations came to.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// In order of realization; all have seen the same number of output times.
+    pub observed: Vec<Observed>,
+    /// Output times seen; fewer than asked for if the block was stopped.
+    pub times: usize,
+    pub tally: Tally,
+    /// What stopped the block, if the numbers did.
+    pub error: Option<RunError>,
+    pub interrupted: bool,
+}
+
+/// Counts and checks of a block.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    pub steps: StepsRecord,
+    pub reaction_events: u64,
+    pub hops: u64,
+    pub particle_steps: u64,
+    pub pair_evaluations: u64,
+    pub fluid_seconds: f64,
+    pub chemistry_seconds: f64,
+    /// Net molecules brought in by reservoirs, by species.
+    pub supplied: Vec<f64>,
+    /// Sum over realizations and species of |end - start - reactions - supplied|.
+    pub lost: f64,
+    pub flow: Option<FlowTally>,
+}
+
+/// What the flow says of itself.
+#[derive(Clone, Debug, Default)]
+pub struct FlowTally {
+    pub penetrations: u64,
+    pub bounces: u64,
+    pub largest_mach: f64,
+    pub largest_density_change: f64,
+    pub warnings: Vec<String>,
+}
+
+/// A plan whose steps are chosen: ready to run, nothing written yet.
+pub enum Ready<'p> {
+    Compartments(compartments::Ready<'p>),
+    Line(Box<particles::Ready<'p, 1>>),
+    Plane(Box<particles::Ready<'p, 2>>),
+    Space(Box<particles::Ready<'p, 3>>),
+}
+
+impl<'p> Ready<'p> {
+    /// Builds flow and chemistry at the start and chooses the steps.
+    ///
+    /// # Errors
+    /// A run that would need too many steps, or a flow that cannot be built.
+    pub fn new(plan: &'p Plan) -> Result<Ready<'p>, NotReady> {
+        Ok(match &plan.arena {
+            Arena::Compartments(arena) => Ready::Compartments(compartments::Ready::new(plan, arena)?),
+            Arena::Line(arena) => Ready::Line(Box::new(particles::Ready::new(plan, arena)?)),
+            Arena::Plane(arena) => Ready::Plane(Box::new(particles::Ready::new(plan, arena)?)),
+            Arena::Space(arena) => Ready::Space(Box::new(particles::Ready::new(plan, arena)?)),
+        })
+    }
+
+    /// Steps and what limits them.
+    #[must_use]
+    pub fn steps(&self) -> StepsRecord {
+        match self {
+            Ready::Compartments(ready) => ready.steps(),
+            Ready::Line(ready) => ready.steps(),
+            Ready::Plane(ready) => ready.steps(),
+            Ready::Space(ready) => ready.steps(),
+        }
+    }
+
+    /// Runs realizations and watches them; returns what was finished even if something stops it.
+    pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
+        match self {
+            Ready::Compartments(ready) => ready.run(realizations, watch),
+            Ready::Line(ready) => ready.run(realizations, watch),
+            Ready::Plane(ready) => ready.run(realizations, watch),
+            Ready::Space(ready) => ready.run(realizations, watch),
+        }
+    }
+}
+
+/// Why a plan cannot be run.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum NotReady {
+    /// The model asks for too much.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The flow could not be built.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
