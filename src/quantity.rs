@@ -205,11 +205,7 @@ mod tests {
     #[case("3 pN", 3e-12, Dimension::FORCE)]
     #[case("10 kHz", 1e4, Dimension::FREQUENCY)]
     #[case("1 m^-2", 1.0, Dimension([-2, 0, 0, 0, 0]))]
-    fn quantities_are_read_exactly(
-        #[case] text: &str,
-        #[case] value: f64,
-        #[case] dimension: Dimension,
-    ) {
+    fn quantities_are_read_exactly(#[case] text: &str, #[case] value: f64, #[case] dimension: Dimension) {
         let quantity = Quantity::parse(text).unwrap();
         assert_eq!(quantity.dimension, dimension, "{text}");
         // Decimal prefixes round once, as the literal does; the others also multiply or divide once.

@@ -5,6 +5,7 @@ mod values;
 
 pub use crate::quantity::{did_you_mean, nearest};
 pub use fields::Fields;
+pub(crate) use values::is_name;
 
 use crate::error::{Fault, ModelError, Place};
 

@@ -148,7 +148,8 @@ impl Unit {
 /// The unit of one word, with its prefix if it has one.
 pub(crate) fn find(word: &str) -> Option<Unit> {
     // U+00B5 micro sign and U+03BC Greek mu look alike and mean the same.
-    let word: String = word.chars().map(|c| if matches!(c, '\u{b5}' | '\u{3bc}') { 'u' } else { c }).collect();
+    let word: String =
+        word.chars().map(|c| if matches!(c, '\u{b5}' | '\u{3bc}') { 'u' } else { c }).collect();
     if word == "atm" {
         return Some(unit(Dimension::PRESSURE, 0, STANDARD_ATMOSPHERE, 1.0));
     }
@@ -172,7 +173,11 @@ pub(crate) fn suggestion(word: &str) -> String {
         .flat_map(|(symbol, _, _)| usual.iter().map(move |prefix| format!("{prefix}{symbol}")));
     let all: Vec<String> = plain.into_iter().chain(prefixed).collect();
     let near = did_you_mean(word, all.iter().map(String::as_str));
-    if near.is_empty() { "units are written like um^2/s, mol/m^3, nM, 1/s, mPa s, fL, degC".to_string() } else { near }
+    if near.is_empty() {
+        "units are written like um^2/s, mol/m^3, nM, 1/s, mPa s, fL, degC".to_string()
+    } else {
+        near
+    }
 }
 
 /// Reads units left to right.
@@ -283,8 +288,7 @@ impl UnitReader {
                 }
                 self.at += length;
                 find(&word).ok_or_else(|| {
-                    let tail =
-                        self.characters[self.at..].iter().take_while(|c| c.is_alphanumeric()).count();
+                    let tail = self.characters[self.at..].iter().take_while(|c| c.is_alphanumeric()).count();
                     let digits = self.characters[self.at..self.at + tail].iter().all(char::is_ascii_digit);
                     let width = if digits { length } else { length + tail };
                     let shown: String = self.characters[start..start + width].iter().collect();
@@ -316,7 +320,12 @@ impl UnitReader {
         if caret {
             self.at += 1;
         } else if self.peek() == Some('*') && self.characters.get(self.at + 1) == Some(&'*') {
-            return Err(TextFault::new(start, 2, "\"**\" is no operator of units", "write powers as um^2 or um2"));
+            return Err(TextFault::new(
+                start,
+                2,
+                "\"**\" is no operator of units",
+                "write powers as um^2 or um2",
+            ));
         }
         let from = self.at;
         let mut digits = String::new();
@@ -342,7 +351,12 @@ impl UnitReader {
         }
         let rest = self.characters[self.at..].iter().take_while(|c| **c == '.' || c.is_ascii_digit()).count();
         if rest > 0 {
-            return Err(TextFault::new(from, self.at + rest - from, "exponents of units are whole numbers", ""));
+            return Err(TextFault::new(
+                from,
+                self.at + rest - from,
+                "exponents of units are whole numbers",
+                "",
+            ));
         }
         match digits.parse::<i8>() {
             Ok(power) if power.unsigned_abs() <= 12 => Ok(power),

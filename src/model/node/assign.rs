@@ -40,7 +40,8 @@ fn place_at(at: &mut Node, steps: &[&str], depth: usize, node: Node, key_place: 
         *at = node;
         return Ok(());
     };
-    let before = if depth == 0 { "the top level".to_string() } else { format!("\"{}\"", steps[..depth].join(".")) };
+    let before =
+        if depth == 0 { "the top level".to_string() } else { format!("\"{}\"", steps[..depth].join(".")) };
     let fault = |reason: String, remedy: String| {
         Fault::general(format!("\"{}\": {reason}", key_place.source.path), remedy)
     };

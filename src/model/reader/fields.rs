@@ -2,7 +2,7 @@
 
 use super::Faults;
 use crate::error::{Fault, Place};
-use crate::model::node::{Key, Node, Value, known_keys};
+use crate::model::node::{Key, Node, Value, known_keys, repeated_keys};
 
 /// Reads one mapping and remembers which keys were asked for.
 #[derive(Debug)]
@@ -14,10 +14,13 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// The fields of a mapping; `what` names it in messages, e.g. `species "L"`.
+    /// The fields of a mapping; `what` names it in messages, e.g. `species "L"`. Reports repeated keys.
     pub fn of(node: &'a Node, what: &str, faults: &mut Faults) -> Option<Fields<'a>> {
         match &node.value {
-            Value::Map(entries) => Some(Fields { node, what: what.to_string(), entries, asked: Vec::new() }),
+            Value::Map(entries) => {
+                repeated_keys(entries).into_iter().for_each(|fault| faults.push(fault));
+                Some(Fields { node, what: what.to_string(), entries, asked: Vec::new() })
+            }
             _ => {
                 faults.at(
                     &node.place,
@@ -39,7 +42,6 @@ impl<'a> Fields<'a> {
     pub fn required(&mut self, key: &'static str, faults: &mut Faults) -> Option<&'a Node> {
         let found = self.optional(key);
         if found.is_none() {
-            // A near miss is reported here; `finish` reports it as unknown as well.
             let empty = self.entries.iter().find(|(k, _)| k.name == key);
             let (place, reason) = match empty {
                 Some((k, _)) => (&k.place, format!("{}: \"{key}\" has no value", self.what)),
@@ -71,7 +73,7 @@ impl<'a> Fields<'a> {
         self.entries
     }
 
-    /// Reports every key that was not asked for, and every repeated one.
+    /// Reports every key that was not asked for.
     pub fn finish(self, faults: &mut Faults) {
         for (key, _) in self.entries {
             if !self.asked.iter().any(|asked| *asked == key.name) {

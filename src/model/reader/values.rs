@@ -97,7 +97,12 @@ impl Node {
         };
         faults.at(
             &self.place,
-            format!("expected {}, found {}: \"{}\"", article(dimension), article(quantity.dimension), self.plain()),
+            format!(
+                "expected {}, found {}: \"{}\"",
+                article(dimension),
+                article(quantity.dimension),
+                self.plain()
+            ),
             remedy,
         );
         None
@@ -129,7 +134,11 @@ impl Node {
         if value > 0.0 {
             return Some(value);
         }
-        faults.at(&self.place, format!("expected a positive {}, found {}", bare_name(dimension), self.plain()), "");
+        faults.at(
+            &self.place,
+            format!("expected a positive {}, found {}", bare_name(dimension), self.plain()),
+            "",
+        );
         None
     }
 
@@ -139,7 +148,11 @@ impl Node {
         if value >= 0.0 {
             return Some(value);
         }
-        faults.at(&self.place, format!("{} may not be negative, found {}", bare_name(dimension), self.plain()), "");
+        faults.at(
+            &self.place,
+            format!("{} may not be negative, found {}", bare_name(dimension), self.plain()),
+            "",
+        );
         None
     }
 
@@ -230,7 +243,8 @@ const NAME_REMEDY: &str = "a name starts with a letter or \"_\" and goes on with
 /// Whether a text is an identifier.
 #[must_use]
 pub(crate) fn is_name(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_alphabetic() || c == '_') && text.chars().all(|c| c.is_alphanumeric() || c == '_')
+    text.starts_with(|c: char| c.is_alphabetic() || c == '_')
+        && text.chars().all(|c| c.is_alphanumeric() || c == '_')
 }
 
 fn article(dimension: Dimension) -> String {
