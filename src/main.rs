@@ -1,5 +1,9 @@
+<<<<<<< HEAD
 //! The binary `gillesph`.
 
 fn main() -> std::process::ExitCode {
     gillesph::cli::main()
 }
+=======
+fn main() {}
+>>>>>>> input

@@ -1,0 +1,119 @@
+//! `--set path.to.key=value`: one value of the tree replaced before it is read.
+
+use super::{Key, Node, Value, known_keys, parse_value};
+use crate::error::{Fault, Place, Source};
+use std::sync::Arc;
+
+/// Puts the value of `path.to.key=value` into the tree; the value is YAML, a number in the path is the index
+/// of a list (from zero), a missing last key is added.
+///
+/// # Errors
+/// Text without `=`, a value that is no YAML, a path that does not lead anywhere (naming the known keys).
+pub fn set(root: &mut Node, assignment: &str) -> Result<(), Fault> {
+    let shown = format!("--set {assignment}");
+    let Some((path, value)) = assignment.split_once('=') else {
+        return Err(Fault::general(
+            format!("\"{shown}\" has no \"=\""),
+            "write --set path.to.key=value, e.g. --set run.seed=7",
+        ));
+    };
+    // The source is named after the option; its text is the value, so that columns count inside the value.
+    let source = Arc::new(Source { path: shown, text: value.to_string() });
+    let mut node = parse_value(&source)?;
+    if node.value == Value::Null {
+        node.place = Place { source: source.clone(), line: 1, column: 1, width: 1 };
+    }
+    let path = path.trim();
+    let steps: Vec<&str> = path.split('.').collect();
+    if steps.iter().any(|step| step.is_empty()) {
+        return Err(Fault::general(
+            format!("\"{}\": the path \"{path}\" has an empty part", source.path),
+            "write the keys separated by single points, e.g. run.seed",
+        ));
+    }
+    let key_place = Place { source: source.clone(), line: 1, column: 1, width: 1 };
+    place_at(root, &steps, 0, node, &key_place)
+}
+
+fn place_at(at: &mut Node, steps: &[&str], depth: usize, node: Node, key_place: &Place) -> Result<(), Fault> {
+    let Some(step) = steps.get(depth) else {
+        *at = node;
+        return Ok(());
+    };
+    let before =
+        if depth == 0 { "the top level".to_string() } else { format!("\"{}\"", steps[..depth].join(".")) };
+    let fault = |reason: String, remedy: String| {
+        Fault::general(format!("\"{}\": {reason}", key_place.source.path), remedy)
+    };
+    match &mut at.value {
+        Value::Map(entries) => {
+            if let Some((_, inner)) = entries.iter_mut().find(|(key, _)| key.name == *step) {
+                return place_at(inner, steps, depth + 1, node, key_place);
+            }
+            if depth + 1 == steps.len() {
+                entries.push((Key { name: (*step).to_string(), place: key_place.clone() }, node));
+                return Ok(());
+            }
+            let remedy = known_keys(step, entries.iter().map(|(key, _)| key.name.as_str()));
+            Err(fault(format!("there is no \"{step}\" in {before}"), remedy))
+        }
+        Value::List(items) => {
+            let length = items.len();
+            match step.parse::<usize>().ok().and_then(|index| items.get_mut(index)) {
+                Some(inner) => place_at(inner, steps, depth + 1, node, key_place),
+                None => Err(fault(
+                    format!("{before} is a list of {length} without an entry {step}"),
+                    "entries are numbered from 0".to_string(),
+                )),
+            }
+        }
+        // A key that is written but left empty takes a mapping.
+        Value::Null if depth + 1 == steps.len() => {
+            at.value = Value::Map(vec![(Key { name: (*step).to_string(), place: key_place.clone() }, node)]);
+            Ok(())
+        }
+        _ => {
+            let found = at.describe();
+            Err(fault(format!("{before} is {found} and has no \"{step}\""), String::new()))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parse;
+    use super::*;
+
+    fn tree(text: &str) -> Node {
+        parse(&Arc::new(Source { path: "m.yaml".into(), text: text.into() })).unwrap()
+    }
+
+    #[test]
+    fn values_are_replaced_and_added() {
+        let mut root = tree("run: { seed: 1, until: 2 s }\nlist: [1, 2]\n");
+        set(&mut root, "run.seed=7").unwrap();
+        set(&mut root, "run.threads=2").unwrap();
+        set(&mut root, "list.1=5 um").unwrap();
+        set(&mut root, "run.until={ a: [1] }").unwrap();
+        let run = root.field("run").unwrap();
+        assert_eq!(run.field("seed").unwrap().value, Value::Integer(7));
+        assert_eq!(run.field("seed").unwrap().place.source.path, "--set run.seed=7");
+        assert_eq!(run.field("threads").unwrap().value, Value::Integer(2));
+        assert!(run.field("until").unwrap().field("a").is_some());
+        let Value::List(items) = &root.field("list").unwrap().value else { panic!("a list") };
+        assert_eq!(items[1].value, Value::Text("5 um".into()));
+    }
+
+    #[test]
+    fn bad_paths_name_the_known_keys() {
+        let mut root = tree("run: { seed: 1 }\nlist: [1, 2]\n");
+        let fault = set(&mut root, "rum.seed=7").unwrap_err();
+        assert!(fault.reason.contains("no \"rum\" in the top level"), "{}", fault.reason);
+        assert!(fault.remedy.contains("did you mean \"run\"? known here: run, list"), "{}", fault.remedy);
+        assert!(set(&mut root, "list.2=1").unwrap_err().reason.contains("list of 2"));
+        assert!(set(&mut root, "run.seed.x=1").unwrap_err().reason.contains("has no \"x\""));
+        assert!(set(&mut root, "run.seed").unwrap_err().reason.contains("no \"=\""));
+        assert!(set(&mut root, "run..seed=1").unwrap_err().reason.contains("empty part"));
+        assert!(set(&mut root, "run.seed=[1").is_err());
+    }
+}
