@@ -41,7 +41,7 @@ pub struct Flow<const D: usize> {
     pub(super) tally: Tally,
     kernel: Kernel<D>,
     shortest: Shortest<D>,
-    terms: Terms,
+    terms: Terms<D>,
     sponges: Vec<Sponge<D>>,
     setup: Scales<D>,
     blocks: Vec<Block<D>>,
@@ -108,12 +108,11 @@ impl<const D: usize> Flow<D> {
         });
         let terms = Terms {
             continuity: Continuity,
-            density_diffusion: (options.delta > 0.0)
-                .then_some(DensityDiffusion { strength: 2.0 * options.delta * h * sound_speed }),
+            density_diffusion: None,
             pressure: Pressure,
             viscosity: Viscosity,
             transport_stress: (shift > 0.0).then_some(TransportStress),
-            shift: (shift > 0.0).then_some(Shift { strength: shift * h * setup.reference_speed }),
+            shift: (shift > 0.0).then_some(Shift::new(shift, h, setup.reference_speed)),
         };
         let (mut positions, mut sides, mut own) = (Vec::new(), Vec::new(), Vec::new());
         for (id, placed) in setup.particles.iter().enumerate() {
@@ -144,6 +143,8 @@ impl<const D: usize> Flow<D> {
             });
         }
         let n = positions.len();
+        let given_speed = setup.sound_speed;
+        let delta = options.delta;
         let mut flow = Flow {
             shortest: setup.domain.shortest(),
             kernel: Kernel::new(setup.kernel, h),
@@ -177,11 +178,32 @@ impl<const D: usize> Flow<D> {
         flow.carry_solids();
         flow.rebuild();
         flow.densities();
+        if given_speed.is_none() {
+            flow.sound_speed = flow.stiffen();
+        }
+        if delta > 0.0 {
+            let (c, u) = (flow.sound_speed, flow.setup.reference_speed);
+            flow.terms.density_diffusion = Some(DensityDiffusion::new(delta, h, c, u));
+        }
         flow.mirrors();
         flow.forces(0.0);
         flow.finish(0.0);
         flow.tally = Tally::default();
         Ok(flow)
+    }
+
+    /// Gives every fluid particle the velocity (m/s) `velocity` has at its place (m), and sums the forces anew.
+    pub fn set_velocity(&mut self, velocity: impl Fn(&Vector<D>) -> Vector<D>) {
+        for (position, side) in self.positions.iter().zip(&mut self.sides) {
+            if !side.is_solid() {
+                side.velocity = velocity(&self.domain.wrap(position));
+            }
+        }
+        self.carry_solids();
+        self.densities();
+        self.mirrors();
+        self.forces(0.0);
+        self.finish(0.0);
     }
 
     /// The longest stable step at the present state and what limits it:
@@ -193,13 +215,26 @@ impl<const D: usize> Flow<D> {
         let speed = s.reference_speed.max(self.tally.largest_speed);
         let candidates = [
             (s.courant * h / (self.sound_speed + speed), "sound"),
-            (VISCOUS_SAFETY * 2.0 / (VISCOUS_EIGENVALUE * self.friction_rate()), "viscosity"),
+            (self.viscous_limit(), "viscosity"),
             (0.25 * (h / s.gravity.norm()).sqrt(), "body force"),
             (0.1 * h / (s.shift * speed), "particle shift"),
         ];
         let (seconds, word) =
             candidates.into_iter().fold((f64::INFINITY, "nothing"), |a, b| if b.0 < a.0 { b } else { a });
         StepLimit { seconds, limited_by: word.to_owned() }
+    }
+
+    /// The sound speed raised to what costs nothing where friction limits the step, at most threefold, m/s:
+    /// density changes fall with its square, and with them all errors of compressibility.
+    fn stiffen(&self) -> f64 {
+        let viscous = self.viscous_limit();
+        let free = 0.8 * self.setup.courant * self.kernel.cutoff() / viscous - self.setup.reference_speed;
+        self.sound_speed.max(free.min(3.0 * self.sound_speed))
+    }
+
+    /// Longest step that friction allows, s.
+    fn viscous_limit(&self) -> f64 {
+        VISCOUS_SAFETY * 2.0 / (VISCOUS_EIGENVALUE * self.friction_rate())
     }
 
     /// The largest (2/rho_i) Σ V_j eta_ij F, 1/s.
@@ -457,7 +492,7 @@ impl<const D: usize> Flow<D> {
     /// Corrected positions, acceleration, v += dt/2 a, sponges, and the shift of the next drift.
     fn finish(&mut self, dt: f64) {
         let sponges = Relaxation::new(&self.sponges, 0.5 * dt, &self.domain);
-        let strength = self.terms.shift.as_ref().map_or(0.0, |shift| shift.strength);
+        let shift = self.terms.shift.as_ref();
         let gravity = self.setup.gravity;
         self.positions
             .par_chunks_mut(BLOCK)
@@ -473,7 +508,9 @@ impl<const D: usize> Flow<D> {
                     own.acceleration = rates.force / side.density + gravity;
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
-                    side.drift = rates.crowding * (strength * own.rest_density / side.density);
+                    if let Some(shift) = shift {
+                        side.drift = shift.velocity(&rates.crowding, side.density / own.rest_density);
+                    }
                 }
             });
     }

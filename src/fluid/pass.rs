@@ -15,6 +15,8 @@ use crate::vector::Vector;
 pub struct Pair<const D: usize> {
     pub x: Vector<D>,
     pub f: f64,
+    /// F of the shift's own kernel.
+    pub f_shift: f64,
 }
 
 /// A pair within the cut-off as the density sweep leaves it for what follows.
@@ -24,6 +26,8 @@ pub struct Contact<const D: usize> {
     pub x: Vector<D>,
     /// F in the row of a fluid particle, W in that of a solid one.
     pub weight: f64,
+    /// F of the shift's own kernel, in the row of a fluid particle.
+    pub f_shift: f64,
     pub j: u32,
 }
 
@@ -51,19 +55,19 @@ impl<const D: usize> Default for Rates<D> {
 
 /// The physics of a flow. Optional physics is an `Option`: pair noise of a fluctuating fluid, for one, is a
 /// field `thermal_noise: Option<ThermalNoise>` here and one line in [`Terms::forces`].
-pub struct Terms {
+pub struct Terms<const D: usize> {
     pub continuity: Continuity,
     pub density_diffusion: Option<DensityDiffusion>,
     pub pressure: Pressure,
     pub viscosity: Viscosity,
     pub transport_stress: Option<TransportStress>,
-    pub shift: Option<Shift>,
+    pub shift: Option<Shift<D>>,
 }
 
-impl Terms {
+impl<const D: usize> Terms<D> {
     /// The density rate of i from j, kg/m³/s.
     #[inline(always)]
-    pub fn density<const D: usize>(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut f64) {
+    pub fn density(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut f64) {
         self.continuity.pair(p, i, j, out);
         if let Some(diffusion) = &self.density_diffusion {
             diffusion.pair(p, i, j, out);
@@ -72,7 +76,7 @@ impl Terms {
 
     /// The force per volume on i from j, N/m³, and its crowding.
     #[inline(always)]
-    pub fn forces<const D: usize>(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Rates<D>) {
+    pub fn forces(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Rates<D>) {
         self.pressure.pair(p, i, j, out);
         self.viscosity.pair(p, i, j, out);
         if let Some(stress) = &self.transport_stress {
@@ -90,7 +94,7 @@ impl Terms {
 pub fn sweep_densities<const D: usize>(
     block: &mut Block<D>,
     rates: &mut [Rates<D>],
-    terms: &Terms,
+    terms: &Terms<D>,
     kernel: &Kernel<D>,
     shortest: &Shortest<D>,
     positions: &[Vector<D>],
@@ -110,7 +114,7 @@ pub fn sweep_densities<const D: usize>(
             let x = shortest.separation(&here, &positions[j as usize]);
             let r2 = x.norm_squared();
             if r2 < limit {
-                contacts.push(Contact { x, weight: r2, j });
+                contacts.push(Contact { x, weight: r2, f_shift: 0.0, j });
             }
         }
         let mine = &mut contacts[start..];
@@ -136,8 +140,12 @@ pub fn sweep_densities<const D: usize>(
                 rates.fraction = solid / all;
             }
             for c in mine.iter_mut() {
-                c.weight = kernel.f(c.weight.sqrt());
-                let pair = Pair { x: c.x, f: c.weight };
+                let r = c.weight.sqrt();
+                c.weight = kernel.f(r);
+                if let Some(shift) = &terms.shift {
+                    c.f_shift = shift.f(r);
+                }
+                let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
                 terms.density(&pair, &side, &sides[c.j as usize], &mut rates.density);
             }
         }
@@ -151,7 +159,7 @@ pub fn sweep_densities<const D: usize>(
 pub fn sweep_forces<const D: usize>(
     block: &Block<D>,
     rates: &mut [Rates<D>],
-    terms: &Terms,
+    terms: &Terms<D>,
     sides: &[Side<D>],
 ) {
     for (row, rates) in rates.iter_mut().enumerate() {
@@ -159,7 +167,8 @@ pub fn sweep_forces<const D: usize>(
         let mut sum = Rates { density: rates.density, fraction: rates.fraction, ..Rates::default() };
         if !side.is_solid() {
             for c in block.row(row) {
-                terms.forces(&Pair { x: c.x, f: c.weight }, &side, &sides[c.j as usize], &mut sum);
+                let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
+                terms.forces(&pair, &side, &sides[c.j as usize], &mut sum);
             }
         }
         *rates = sum;
