@@ -1,1 +1,37 @@
+//! The fluid: weakly compressible smoothed particle hydrodynamics with a transport velocity and walls found
+//! from a volume fraction (SPH-BVF). Knows particles, never a species.
+//!
+//! | file | idea |
+//! |---|---|
+//! | [`kernel`], [`domain`], [`neighbours`] | W and its gradient; the box; who is near whom |
+//! | [`setup`], [`motion`] | what a flow is made of; how solids move |
+//! | [`particles`], [`pass`], [`terms`] | state; the sweeps over pairs; one equation each |
+//! | [`wall`], [`integrate`] | walls and what they do to particles; one time step, the step limit |
+//! | [`observe`] | snapshots and health of a flow |
+//! | [`exchange`], [`interpolate`] | conductances for the chemistry; fields at points |
+//!
+//! Sources: Jacob et al. 2021 (SPH-BVF); Adami, Hu & Adams 2012, 2013; Antuono et al. 2010. All SI.
 
+pub mod domain;
+pub mod exchange;
+pub mod integrate;
+pub mod interpolate;
+pub mod kernel;
+pub mod motion;
+pub mod neighbours;
+pub mod observe;
+pub mod particles;
+pub mod pass;
+pub mod setup;
+pub mod terms;
+pub mod wall;
+
+pub use domain::Domain;
+pub use exchange::{Barrier, Voxels};
+pub use integrate::{Flow, StepLimit};
+pub use interpolate::Interpolator;
+pub use kernel::{Kernel, KernelKind};
+pub use motion::Motion;
+pub use neighbours::Grid;
+pub use observe::{FlowHealth, Snapshot};
+pub use setup::{Body, BodyKind, Options, Placed, Setup, Slip, Sponge};

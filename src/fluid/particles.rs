@@ -1,0 +1,61 @@
+//! The state of a flow: what a pair needs of each side, and what only the particle itself needs.
+
+use crate::vector::Vector;
+
+/// What a particle is to its neighbours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Material {
+    #[default]
+    Fluid,
+    /// Solid with a no-slip surface.
+    NoSlip,
+    /// Solid with a frictionless surface.
+    FreeSlip,
+}
+
+/// One side of a pair: packed, since a sweep reads all of it at a random place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Side<const D: usize> {
+    /// Momentum velocity v, m/s. Of a solid: its own velocity in the density sweep, the mirrored velocity of
+    /// [`crate::fluid::wall::mirror`] in the force sweep.
+    pub velocity: Vector<D>,
+    /// Transport velocity less momentum velocity, m/s; zero for solids.
+    pub drift: Vector<D>,
+    /// kg/m³.
+    pub density: f64,
+    /// Pa.
+    pub pressure: f64,
+    /// m^D.
+    pub volume: f64,
+    /// Dynamic viscosity, Pa s; of a solid without meaning.
+    pub viscosity: f64,
+    pub material: Material,
+    /// Index of the body.
+    pub body: u8,
+}
+
+impl<const D: usize> Side<D> {
+    /// Whether the particle is part of a solid.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_solid(&self) -> bool {
+        self.material != Material::Fluid
+    }
+}
+
+/// What a particle keeps to itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Own<const D: usize> {
+    /// Index in [`Setup::particles`](crate::fluid::Setup).
+    pub id: u32,
+    /// Mass per unit thickness, kg/m^(3-D); of a solid without meaning.
+    pub mass: f64,
+    /// Density at zero pressure, kg/m³; of a solid that of the lightest fluid.
+    pub rest_density: f64,
+    /// Place at t = 0, m; solids move relative to it.
+    pub start: Vector<D>,
+    /// m/s².
+    pub acceleration: Vector<D>,
+    /// Volume fraction of solid around the particle.
+    pub fraction: f64,
+}

@@ -1,0 +1,162 @@
+//! What a flow is made of.
+
+use std::sync::Arc;
+
+use crate::fluid::domain::Domain;
+use crate::fluid::kernel::KernelKind;
+use crate::fluid::motion::Motion;
+use crate::vector::Vector;
+
+/// Signed distance to a surface, m: negative inside the solid. In the frame of the body at t = 0.
+pub type Surface<const D: usize> = Arc<dyn Fn(&Vector<D>) -> f64 + Send + Sync>;
+
+/// Everything a [`Flow`](crate::fluid::Flow) is built from.
+#[derive(Clone)]
+pub struct Setup<const D: usize> {
+    pub domain: Domain<D>,
+    pub kernel: KernelKind,
+    /// Cut-off h of the kernel, m.
+    pub cutoff: f64,
+    /// Distance of fluid particles on their lattice, m.
+    pub spacing: f64,
+    pub particles: Vec<Placed<D>>,
+    /// At most 256; [`Placed::body`] points here.
+    pub bodies: Vec<Body<D>>,
+    /// U: the largest speed to be expected, m/s.
+    pub reference_speed: f64,
+    /// L: the width of the flow, m.
+    pub reference_length: f64,
+    /// c0, m/s; chosen by [`Setup::automatic_sound_speed`] if `None`.
+    pub sound_speed: Option<f64>,
+    /// Pressure differences to be expected, Pa; estimated if `None`.
+    pub pressure_scale: Option<f64>,
+    /// Acceleration of the fluid, m/s².
+    pub body_force: Vector<D>,
+    pub sponges: Vec<Sponge<D>>,
+    /// Of all fluid, m/s.
+    pub initial_velocity: Vector<D>,
+    pub options: Options,
+}
+
+/// A particle at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed<const D: usize> {
+    /// m.
+    pub position: Vector<D>,
+    /// m^D.
+    pub volume: f64,
+    pub body: u8,
+}
+
+/// Particles of one material.
+#[derive(Clone)]
+pub struct Body<const D: usize> {
+    pub name: String,
+    pub kind: BodyKind<D>,
+}
+
+/// What a body is made of.
+#[derive(Clone)]
+pub enum BodyKind<const D: usize> {
+    /// Rest density (kg/m³) and dynamic viscosity (Pa s).
+    Fluid { density: f64, viscosity: f64 },
+    /// A wall or an obstacle. With a `surface` no fluid particle can end a step inside.
+    Solid { slip: Slip, motion: Motion<D>, surface: Option<Surface<D>> },
+}
+
+/// What a solid does to the tangential velocity of the fluid at its surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Slip {
+    NoSlip,
+    FreeSlip,
+}
+
+/// A region where the velocity relaxes to a target: dv/dt = -rate (v - target), solved exactly, so any rate
+/// is stable. A very strong rate makes the region a plug that acts as a pump.
+#[derive(Clone)]
+pub struct Sponge<const D: usize> {
+    pub region: Arc<dyn Fn(&Vector<D>) -> bool + Send + Sync>,
+    /// 1/s.
+    pub rate: f64,
+    /// Target velocity by position, m/s.
+    pub velocity: Arc<dyn Fn(&Vector<D>) -> Vector<D> + Send + Sync>,
+}
+
+/// Numerical choices; the defaults are meant to be kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Strength of the density diffusion (Antuono et al. 2010), dimensionless.
+    pub delta: f64,
+    /// Strength A of the shift; 5 with solids, 10 without if `None`; 0 turns it off.
+    pub shift: Option<f64>,
+    /// Courant number dt (c0 + U)/h; 1/A but at most 0.2 if `None`.
+    pub courant: Option<f64>,
+    /// Volume fraction of solid from which a fluid particle is sent back.
+    pub surface_fraction: f64,
+    /// Extra radius of the neighbour lists, in cut-offs.
+    pub skin: f64,
+    /// Steps between corrections of the mean density; 0 turns them off.
+    pub drift_correction: u64,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            delta: 0.1,
+            shift: None,
+            courant: None,
+            // Fraction seen by a particle on a flat surface for h = 2.6-3 spacings, itself included.
+            surface_fraction: 0.49,
+            skin: 0.15,
+            drift_correction: 20,
+        }
+    }
+}
+
+impl<const D: usize> Setup<D> {
+    /// Whether there is any solid.
+    #[must_use]
+    pub fn has_solids(&self) -> bool {
+        self.bodies.iter().any(|body| matches!(body.kind, BodyKind::Solid { .. }))
+    }
+
+    /// Strength A of the shift.
+    #[must_use]
+    pub fn shift(&self) -> f64 {
+        self.options.shift.unwrap_or(if self.has_solids() { 5.0 } else { 10.0 })
+    }
+
+    /// The lightest rest density and the largest viscosity among the fluids.
+    fn lightest_and_stickiest(&self) -> (f64, f64) {
+        self.bodies.iter().fold((f64::INFINITY, 0.0), |(rho, mu), body| match body.kind {
+            BodyKind::Fluid { density, viscosity } => (density.min(rho), viscosity.max(mu)),
+            BodyKind::Solid { .. } => (rho, mu),
+        })
+    }
+
+    /// Pressure differences to be expected, Pa: as given, or the drop of a plane Poiseuille flow of mean speed
+    /// U and width L along the longest edge of the box, 12 mu U X/L².
+    #[must_use]
+    pub fn expected_pressure(&self) -> f64 {
+        let longest = self.domain.lengths().max();
+        let (_, mu) = self.lightest_and_stickiest();
+        let length = self.reference_length;
+        self.pressure_scale.unwrap_or(12.0 * mu * self.reference_speed * longest / (length * length))
+    }
+
+    /// The sound speed that keeps the density within about 1 %, m/s:
+    /// c0² = max((10 U)², 100 p/rho0, 100 |g| H) with p of [`Setup::expected_pressure`] and H the extent of
+    /// the box along g where walls bear the weight (on periodic axes the fluid falls freely and none is needed).
+    #[must_use]
+    pub fn automatic_sound_speed(&self) -> f64 {
+        let (rho, _) = self.lightest_and_stickiest();
+        let lengths = self.domain.lengths();
+        let weight: f64 = (0..D)
+            .filter(|&k| !self.domain.periodic[k])
+            .map(|k| self.body_force[k].abs() * lengths[k])
+            .sum();
+        let kinetic = (10.0 * self.reference_speed).powi(2);
+        kinetic.max(100.0 * self.expected_pressure() / rho).max(100.0 * weight).sqrt()
+    }
+}

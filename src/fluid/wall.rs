@@ -1,0 +1,203 @@
+//! Walls: the velocity and pressure solids show to the fluid, and how fluid particles are kept out of them.
+
+use crate::fluid::domain::Domain;
+use crate::fluid::neighbours::Block;
+use crate::fluid::particles::{Own, Side};
+use crate::fluid::setup::{Body, BodyKind};
+use crate::vector::Vector;
+
+/// What a solid particle shows to the fluid in the force sweep.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirror<const D: usize> {
+    /// m/s.
+    pub velocity: Vector<D>,
+    /// Pa.
+    pub pressure: f64,
+}
+
+/// Velocity 2 v_w - Σ_f v_f V_f W/Σ_f V_f W and pressure Σ_f [p_f + rho_f (g - a_w)·x_wf] V_f W/Σ_f V_f W of
+/// solid particle `row` of a block, the sums over its fluid contacts; Adami, Hu & Adams 2012.
+///
+/// `wall` and `wall_acceleration` are the motion of the solid particle, `gravity` the body force on the fluid.
+/// Without fluid in reach: the wall's own velocity and no pressure.
+#[must_use]
+pub fn mirror<const D: usize>(
+    block: &Block<D>,
+    row: usize,
+    sides: &[Side<D>],
+    wall: Vector<D>,
+    wall_acceleration: Vector<D>,
+    gravity: &Vector<D>,
+) -> Mirror<D> {
+    let (mut all, mut velocity, mut pressure) = (0.0, Vector::zeros(), 0.0);
+    let falling = gravity - wall_acceleration;
+    for c in block.row(row) {
+        let f = &sides[c.j as usize];
+        let share = f.volume * c.weight;
+        all += share;
+        velocity += f.velocity * share;
+        pressure += (f.pressure + f.density * falling.dot(&c.x)) * share;
+    }
+    if all > 0.0 {
+        Mirror { velocity: wall * 2.0 - velocity / all, pressure: pressure / all }
+    } else {
+        Mirror { velocity: wall, pressure: 0.0 }
+    }
+}
+
+/// The solids and the box as obstacles.
+pub struct Obstacles<'a, const D: usize> {
+    pub bodies: &'a [Body<D>],
+    pub domain: &'a Domain<D>,
+    /// Time at the end of the step, s.
+    pub time: f64,
+    /// Step, s.
+    pub dt: f64,
+    /// Volume fraction of solid that marks the surface.
+    pub surface_fraction: f64,
+    /// Distance of fluid particles, m: the scale of difference quotients.
+    pub spacing: f64,
+}
+
+/// What happened to a particle at a wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounce<const D: usize> {
+    /// New less old position, m.
+    pub correction: Vector<D>,
+    pub bounced: bool,
+    /// Still inside a solid after all corrections.
+    pub inside: bool,
+}
+
+impl<const D: usize> Obstacles<'_, D> {
+    /// Sends fluid particle `row` back if its volume fraction says it is at the surface, then makes sure by the
+    /// signed distances and the box that it is outside every solid. The momentum velocity is not touched.
+    #[must_use]
+    pub fn bounce(
+        &self,
+        block: &Block<D>,
+        row: usize,
+        fraction: f64,
+        positions: &[Vector<D>],
+        sides: &[Side<D>],
+    ) -> Bounce<D> {
+        let here = positions[block.first + row];
+        let mut place = here;
+        let mut bounced = false;
+        if fraction >= self.surface_fraction {
+            place += self.reflect(block, row, &here, sides);
+            bounced = true;
+        }
+        let mut inside = false;
+        if block.near_solid[row] {
+            bounced |= self.push_out(&mut place, &mut inside);
+        }
+        bounced |= self.keep_in_box(&mut place);
+        Bounce { correction: place - here, bounced, inside }
+    }
+
+    /// SPH-BVF Eqs (46)-(49): with the normal e out of the wall and the wall's velocity and acceleration v_w,
+    /// a_w as kernel means over the solid neighbours, the transport velocity becomes
+    /// u' = 2 v_w + dt a_w - u + 2 max(0, (u - v_w)·e) e and the particle moves by dt (u' - u).
+    /// The means are normalised by the solid sum; e points down the gradient of the fraction (Eq. (47) prints
+    /// the other sign).
+    fn reflect(&self, block: &Block<D>, row: usize, here: &Vector<D>, sides: &[Side<D>]) -> Vector<D> {
+        let side = &sides[block.first + row];
+        let (mut all, mut normal) = (0.0, Vector::zeros());
+        let (mut wall, mut wall_acceleration) = (Vector::zeros(), Vector::zeros());
+        for c in block.row(row) {
+            let s = &sides[c.j as usize];
+            if let BodyKind::Solid { motion, .. } = &self.bodies[s.body as usize].kind {
+                let share = s.volume * c.weight;
+                let place = here - c.x;
+                all += share;
+                normal += c.x * share;
+                wall += motion.velocity(&place, self.time) * share;
+                wall_acceleration += motion.acceleration(&place, self.time) * share;
+            }
+        }
+        let length = normal.norm();
+        if all <= 0.0 || length <= 0.0 {
+            return Vector::zeros();
+        }
+        let (e, wall, wall_acceleration) = (normal / length, wall / all, wall_acceleration / all);
+        let u = side.velocity + side.drift;
+        let after = wall * 2.0 + wall_acceleration * self.dt - u + e * (2.0 * (u - wall).dot(&e).max(0.0));
+        (after - u) * self.dt
+    }
+
+    /// Mirrors a place inside a solid at its surface, along the gradient of the signed distance, until it is
+    /// outside all of them; at most eight times, since bodies may touch.
+    fn push_out(&self, place: &mut Vector<D>, inside: &mut bool) -> bool {
+        let mut bounced = false;
+        for attempt in 0..8 {
+            let mut clear = true;
+            for body in self.bodies {
+                let BodyKind::Solid { motion, surface: Some(surface), .. } = &body.kind else { continue };
+                let distance = |x: &Vector<D>| surface(&motion.origin(&self.domain.wrap(x), self.time));
+                let depth = -distance(place);
+                if depth <= 0.0 {
+                    continue;
+                }
+                clear = false;
+                bounced = true;
+                let step = 1e-4 * self.spacing;
+                let gradient: Vector<D> = Vector::from_fn(|k, _| {
+                    let (mut up, mut down) = (*place, *place);
+                    up[k] += step;
+                    down[k] -= step;
+                    (distance(&up) - distance(&down)) / (2.0 * step)
+                });
+                let steepness = gradient.norm();
+                if steepness > 0.0 {
+                    // A little further each time, for distances that are only bounds.
+                    let reach = 2.0 * depth * f64::from(1 << attempt) + 1e-6 * self.spacing;
+                    *place += gradient * (reach / steepness);
+                }
+            }
+            if clear {
+                *inside = false;
+                return bounced;
+            }
+            *inside = true;
+        }
+        *inside = self.bodies.iter().any(|body| match &body.kind {
+            BodyKind::Solid { motion, surface: Some(surface), .. } => {
+                surface(&motion.origin(&self.domain.wrap(place), self.time)) < 0.0
+            }
+            _ => false,
+        });
+        bounced
+    }
+
+    /// Mirrors a place beyond a wall of the box at that wall. Further than half a box out it is left there, for
+    /// the check of the numbers to find.
+    fn keep_in_box(&self, place: &mut Vector<D>) -> bool {
+        let mut bounced = false;
+        for k in (0..D).filter(|&k| !self.domain.periodic[k]) {
+            let (low, high) = (self.domain.min[k], self.domain.max[k]);
+            let over = (low - place[k]).max(place[k] - high);
+            if over > 0.0 && over < 0.5 * (high - low) {
+                place[k] = if place[k] < low { 2.0 * low - place[k] } else { 2.0 * high - place[k] };
+                bounced = true;
+            }
+        }
+        bounced
+    }
+}
+
+/// Takes a solid particle to its place of time `t` and gives it its own velocity.
+pub fn carry<const D: usize>(
+    body: &Body<D>,
+    own: &Own<D>,
+    position: &mut Vector<D>,
+    side: &mut Side<D>,
+    t: f64,
+) {
+    if let BodyKind::Solid { motion, .. } = &body.kind {
+        if motion.moves() {
+            *position = motion.position(&own.start, t);
+        }
+        side.velocity = motion.velocity(position, t);
+    }
+}
