@@ -1,6 +1,7 @@
 //! Chemistry: reaction networks, propensities, exact samplers and rate equations on a weighted graph of
 //! voxels. Knows amounts, volumes and [`Links`]; never a particle, never a file.
 
+pub mod deal;
 pub mod diffusion;
 pub mod formula;
 pub mod law;
@@ -9,6 +10,8 @@ pub mod network;
 pub mod propensity;
 pub mod rate_equations;
 pub mod reactor;
+pub mod reservoir;
+pub mod sampling_numbers;
 pub mod split;
 pub mod ssa;
 

@@ -1,9 +1,11 @@
 //! What the samplers need to know of a domain besides amounts, volumes and links.
 
+use crate::chemistry::network::Network;
 use crate::chemistry::propensity::Propensities;
+use crate::error::RunError;
 
 /// A set of at most 64 groups of voxels, as bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct GroupSet(pub u64);
 
 impl GroupSet {
@@ -14,7 +16,7 @@ impl GroupSet {
     #[inline]
     #[must_use]
     pub fn holds(self, group: u8) -> bool {
-        self.0 >> group & 1 == 1
+        group < 64 && self.0 >> group & 1 == 1
     }
 }
 
@@ -39,4 +41,99 @@ pub struct Reactor {
     pub habitat: Vec<GroupSet>,
     /// Groups (home or current) in which each reaction happens.
     pub active: Vec<GroupSet>,
+}
+
+impl Reactor {
+    /// Compiles a network; `discrete` and `habitat` by species, `active` by reaction.
+    #[must_use]
+    pub fn new(network: &Network, discrete: &[bool], habitat: &[GroupSet], active: &[GroupSet]) -> Reactor {
+        Reactor {
+            species: network.species.iter().map(|s| s.name.clone()).collect(),
+            reactions: network.reactions.iter().map(|r| r.name.clone()).collect(),
+            propensities: Propensities::compile(network, discrete),
+            discrete: discrete.to_vec(),
+            diffusivity: network.species.iter().map(|s| s.diffusion).collect(),
+            habitat: habitat.to_vec(),
+            active: active.to_vec(),
+        }
+    }
+
+    /// A network whose species live and react in every group.
+    #[must_use]
+    pub fn everywhere(network: &Network, discrete: &[bool]) -> Reactor {
+        let habitat = vec![GroupSet::ALL; network.species.len()];
+        let active = vec![GroupSet::ALL; network.reactions.len()];
+        Reactor::new(network, discrete, &habitat, &active)
+    }
+
+    /// Number of species.
+    #[inline]
+    #[must_use]
+    pub fn species_count(&self) -> usize {
+        self.species.len()
+    }
+
+    /// Whether reaction `r` happens in a voxel of these groups.
+    #[inline]
+    #[must_use]
+    pub fn happens(&self, r: usize, home: u8, current: u8) -> bool {
+        self.active[r].holds(home) || self.active[r].holds(current)
+    }
+
+    /// The propensity `value` of reaction `r` is no propensity.
+    #[cold]
+    #[must_use]
+    pub fn bad_propensity(&self, r: usize, value: f64, time: f64, voxel: usize, amounts: &[f64]) -> RunError {
+        let amounts: Vec<String> =
+            self.species.iter().zip(amounts).map(|(s, n)| format!("{s} = {n}")).collect();
+        let reaction = self.reactions[r].clone();
+        RunError::Propensity { time, voxel, reaction, value, amounts: amounts.join(", ") }
+    }
+
+    /// Species `s` fell to `count` after reaction `r`.
+    #[cold]
+    #[must_use]
+    pub fn negative_count(&self, s: usize, count: f64, r: usize, time: f64, voxel: usize) -> RunError {
+        let event = self.reactions[r].clone();
+        RunError::NegativeCount { time, voxel, species: self.species[s].clone(), count, event }
+    }
+}
+
+/// Small networks for the tests of this and the neighbouring files.
+#[cfg(test)]
+pub(crate) mod example {
+    use crate::chemistry::network::{Kinetics, Network, Rate, Reaction, Species};
+    use crate::error::{Place, Source};
+    use std::sync::Arc;
+
+    type Side<'a> = &'a [(usize, u32)];
+
+    /// A mass-action network of `species` immobile species S0, S1, … from (reactants, products, constant).
+    pub fn network(kinetics: Kinetics, species: usize, reactions: &[(Side, Side, f64)]) -> Network {
+        let source = Arc::new(Source { path: String::from("test"), text: String::new() });
+        let place = Place { source, line: 1, column: 1, width: 1 };
+        let species = (0..species).map(|s| Species {
+            name: format!("S{s}"),
+            diffusion: 0.0,
+            only_in: None,
+            representation: None,
+            place: place.clone(),
+        });
+        let reactions = reactions.iter().enumerate().map(|(r, &(reactants, products, k))| Reaction {
+            name: format!("r{r}"),
+            equation: String::new(),
+            reactants: reactants.to_vec(),
+            products: products.to_vec(),
+            rate: Rate::MassAction(k),
+            only_in: None,
+            place: place.clone(),
+        });
+        Network {
+            name: String::from("test"),
+            kinetics,
+            species: species.collect(),
+            parameters: Vec::new(),
+            reactions: reactions.collect(),
+        }
+    }
 }

@@ -1,1 +1,13 @@
+//! Diffusion on a weighted graph of voxels, exact over a step of any length while the graph is frozen.
+//!
+//! A molecule of diffusivity D hops i -> j at rate D G_ij / V_i. Uniformised (Jensen 1953; Grassmann 1977):
+//! it makes K ~ Poisson(Λ τ) virtual jumps of the chain P = 1 + Q / Λ, Λ ≥ max_i Σ_j D G_ij / V_i, where a
+//! jump may lead back to where it started. P does not depend on D, so species of equal habitat share it.
 
+pub mod continuous;
+pub mod discrete;
+pub mod hops;
+pub mod jumps;
+
+pub use hops::HopTable;
+pub use jumps::Jumps;

@@ -1,0 +1,296 @@
+//! The jump chain of a frozen geometry: where a molecule goes when it makes a virtual jump.
+
+use crate::chemistry::links::Links;
+use crate::error::RunError;
+use rand::Rng;
+
+/// One column of an alias table (Walker 1977; Vose 1991): `own` below the cut, `other` above.
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    cut: u64,
+    own: u32,
+    other: u32,
+}
+
+/// The chain P = 1 + Q / Λ on the voxels, for every diffusivity at once (Q and Λ both scale with it).
+#[derive(Clone, Debug)]
+pub struct HopTable {
+    /// Λ per unit diffusivity: the largest Σ_j G_ij / V_i, 1/m².
+    pub rate: f64,
+    /// Σ_j G_ij / V_i of each voxel, 1/m².
+    pub leaving: Vec<f64>,
+    offsets: Vec<u32>,
+    target: Vec<u32>,
+    probability: Vec<f64>,
+    /// Probability of an entry given that no earlier entry of its row was taken.
+    conditional: Vec<f64>,
+    columns: Vec<Column>,
+}
+
+/// Entries with less than this share of a row are rounding of 1 - Σ.
+const NOTHING: f64 = 1e-15;
+
+impl HopTable {
+    /// From conductances (m) and volumes (m³), using only the links whose both ends satisfy `lives`.
+    ///
+    /// # Errors
+    /// A conductance that is negative or not finite (kernel-gradient corrected weights can be), a volume
+    /// that is not positive, or a link to a voxel that does not exist.
+    pub fn build(
+        links: &Links,
+        volumes: &[f64],
+        lives: impl Fn(usize) -> bool,
+    ) -> Result<HopTable, RunError> {
+        let voxels = volumes.len();
+        let mut table = HopTable {
+            rate: 0.0,
+            leaving: vec![0.0; voxels],
+            offsets: Vec::with_capacity(voxels + 1),
+            target: Vec::with_capacity(links.neighbour.len() + voxels),
+            probability: Vec::with_capacity(links.neighbour.len() + voxels),
+            conditional: Vec::new(),
+            columns: Vec::new(),
+        };
+        for (i, &volume) in volumes.iter().enumerate() {
+            if !(volume > 0.0 && volume.is_finite()) {
+                return Err(bad(i, "volume / m³", volume, "a voxel needs a positive volume"));
+            }
+            let mut sum = 0.0;
+            for (j, g) in links.row(i) {
+                if !(g >= 0.0 && g.is_finite()) {
+                    let remedy = "hop rates need conductances that are finite and not negative";
+                    return Err(bad(i, "conductance / m", g, remedy));
+                }
+                if j >= voxels {
+                    return Err(bad(i, "neighbour", j as f64, "the links name a voxel that does not exist"));
+                }
+                if j != i && lives(i) && lives(j) {
+                    sum += g / volume;
+                }
+            }
+            table.leaving[i] = sum;
+            table.rate = table.rate.max(sum);
+        }
+        table.offsets.push(0);
+        let mut worker = AliasWorker::default();
+        for (i, &volume) in volumes.iter().enumerate() {
+            table.push_row(i, links, volume, &lives);
+            table.finish_row(i, &mut worker);
+        }
+        Ok(table)
+    }
+
+    /// Number of voxels.
+    #[must_use]
+    pub fn voxels(&self) -> usize {
+        self.leaving.len()
+    }
+
+    /// Targets of a virtual jump from voxel `i` and their probabilities; `i` itself among them.
+    #[inline]
+    pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (usize, f64)> + '_ {
+        let range = self.range(i);
+        self.target[range.clone()].iter().zip(&self.probability[range]).map(|(&j, &p)| (j as usize, p))
+    }
+
+    /// Target of one virtual jump from voxel `i`.
+    #[inline]
+    pub fn jump<R: Rng>(&self, i: usize, random: &mut R) -> usize {
+        draw(&self.columns[self.range(i)], random)
+    }
+
+    /// Target of one hop from voxel `i` to another; by rejection of the jumps that stay.
+    /// The voxel must have a link that leaves it.
+    #[inline]
+    pub fn hop<R: Rng>(&self, i: usize, random: &mut R) -> usize {
+        let columns = &self.columns[self.range(i)];
+        if self.leaving[i] > 0.25 * self.rate {
+            loop {
+                let j = draw(columns, random);
+                if j != i {
+                    return j;
+                }
+            }
+        }
+        // Mostly staying: search the row instead.
+        let mut left = random.random::<f64>() * self.leaving[i] / self.rate;
+        let mut last = i;
+        for (j, p) in self.row(i).filter(|&(j, p)| j != i && p > 0.0) {
+            last = j;
+            if left < p {
+                break;
+            }
+            left -= p;
+        }
+        last
+    }
+
+    /// Moves `count` molecules of voxel `i` one virtual jump on, into `next`.
+    #[inline]
+    pub fn scatter<R: Rng>(&self, i: usize, count: u64, next: &mut [u64], random: &mut R) {
+        let range = self.range(i);
+        // One draw per molecule costs about a fifteenth of one binomial of a chain.
+        if count <= 16 * range.len() as u64 {
+            let columns = &self.columns[range];
+            for _ in 0..count {
+                next[draw(columns, random)] += 1;
+            }
+            return;
+        }
+        let mut left = count;
+        for (&j, &p) in self.target[range.clone()].iter().zip(&self.conditional[range]) {
+            let taken = crate::chemistry::sampling_numbers::binomial(random, left, p);
+            next[j as usize] += taken;
+            left -= taken;
+            if left == 0 {
+                break;
+            }
+        }
+    }
+
+    #[inline]
+    fn range(&self, i: usize) -> std::ops::Range<usize> {
+        self.offsets[i] as usize..self.offsets[i + 1] as usize
+    }
+
+    fn push_row(&mut self, i: usize, links: &Links, volume: f64, lives: &impl Fn(usize) -> bool) {
+        if self.leaving[i] > 0.0 {
+            for (j, g) in links.row(i).filter(|&(j, g)| g > 0.0 && j != i && lives(j)) {
+                self.target.push(j as u32);
+                self.probability.push(g / volume / self.rate);
+            }
+        }
+        let staying = if self.rate > 0.0 { 1.0 - self.leaving[i] / self.rate } else { 1.0 };
+        if staying > NOTHING {
+            self.target.push(i as u32);
+            self.probability.push(staying);
+        }
+        self.offsets.push(self.target.len() as u32);
+    }
+
+    fn finish_row(&mut self, i: usize, worker: &mut AliasWorker) {
+        let range = self.range(i);
+        let probability = &self.probability[range.clone()];
+        self.conditional.resize(range.end, 1.0);
+        let mut tail = 0.0;
+        for (c, &p) in self.conditional[range.clone()].iter_mut().zip(probability).rev() {
+            tail += p;
+            *c = p / tail;
+        }
+        worker.append(&self.target[range], probability, tail, &mut self.columns);
+    }
+}
+
+/// The column from the high word of a product, the cut from its low word: one 64-bit number per draw.
+#[inline]
+fn draw<R: Rng>(columns: &[Column], random: &mut R) -> usize {
+    let wide = u128::from(random.next_u64()) * columns.len() as u128;
+    let column = columns[(wide >> 64) as usize];
+    (if (wide as u64) < column.cut { column.own } else { column.other }) as usize
+}
+
+/// Work space for Vose's construction.
+#[derive(Default)]
+struct AliasWorker {
+    share: Vec<f64>,
+    small: Vec<u32>,
+    large: Vec<u32>,
+}
+
+impl AliasWorker {
+    /// Appends the columns of one row, `total` = Σ `probability`.
+    fn append(&mut self, target: &[u32], probability: &[f64], total: f64, columns: &mut Vec<Column>) {
+        let first = columns.len();
+        let scale = target.len() as f64 / total;
+        self.share.clear();
+        self.small.clear();
+        self.large.clear();
+        for (k, &p) in probability.iter().enumerate() {
+            self.share.push(p * scale);
+            let list = if p * scale < 1.0 { &mut self.small } else { &mut self.large };
+            list.push(k as u32);
+        }
+        columns.extend(target.iter().map(|&own| Column { cut: u64::MAX, own, other: own }));
+        while let (Some(&s), Some(&l)) = (self.small.last(), self.large.last()) {
+            self.small.pop();
+            let share = self.share[s as usize];
+            let column = &mut columns[first + s as usize];
+            column.cut = (share * 18_446_744_073_709_551_616.0) as u64; // 2^64
+            column.other = target[l as usize];
+            self.share[l as usize] -= 1.0 - share;
+            if self.share[l as usize] < 1.0 {
+                self.large.pop();
+                self.small.push(l);
+            }
+        }
+    }
+}
+
+fn bad(voxel: usize, quantity: &str, value: f64, remedy: &str) -> RunError {
+    let (quantity, remedy) = (String::from(quantity), String::from(remedy));
+    RunError::BlowUp { step: 0, time: 0.0, particle: voxel, quantity, value, remedy }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{Purpose, stream};
+
+    fn star() -> HopTable {
+        let links = Links::from_pairs(4, &[(0, 1, 0.5), (0, 2, 1.0), (0, 3, 2.0)]);
+        HopTable::build(&links, &[1.0, 1.0, 2.0, 4.0], |_| true).unwrap()
+    }
+
+    #[test]
+    fn rows_sum_to_one_and_keep_concentration_flat() {
+        let table = star();
+        assert_eq!(table.rate, 3.5);
+        let mut after = [0.0; 4];
+        for (i, volume) in [1.0, 1.0, 2.0, 4.0].into_iter().enumerate() {
+            // Rounding of four terms.
+            assert!((table.row(i).map(|(_, p)| p).sum::<f64>() - 1.0).abs() < 1e-15);
+            table.row(i).for_each(|(j, p)| after[j] += volume * p);
+        }
+        for (n, volume) in after.into_iter().zip([1.0, 1.0, 2.0, 4.0]) {
+            assert!((n - volume).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn draws_of_both_sizes_follow_the_row() {
+        let table = star();
+        let mut random = stream(5, 0, Purpose::Diffusion);
+        // 400 000 draws: six standard errors of a share are at most 6 * 0.5 / 632 = 0.0047 (chance 1e-8).
+        for batch in [10, 4000] {
+            let mut next = [0; 4];
+            for _ in 0..400_000 / batch {
+                table.scatter(0, batch, &mut next, &mut random);
+            }
+            assert_eq!(next.iter().sum::<u64>(), 400_000);
+            for (j, p) in table.row(0) {
+                assert!((next[j] as f64 / 4e5 - p).abs() < 0.0047, "{batch} {j}");
+            }
+        }
+        let stays = (0..400_000).filter(|_| table.jump(1, &mut random) == 1).count();
+        assert!((stays as f64 / 4e5 - 3.0 / 3.5).abs() < 0.0047);
+        assert!((0..100).all(|_| table.hop(1, &mut random) == 0 && table.hop(0, &mut random) != 0));
+    }
+
+    #[test]
+    fn refuses_what_is_no_conductance() {
+        for g in [-1.0, f64::NAN, f64::INFINITY] {
+            let links = Links::from_pairs(2, &[(0, 1, g)]);
+            assert!(HopTable::build(&links, &[1.0, 1.0], |_| true).is_err());
+        }
+        let links = Links::from_pairs(2, &[(0, 1, 1.0)]);
+        assert!(HopTable::build(&links, &[1.0, 0.0], |_| true).is_err());
+    }
+
+    #[test]
+    fn no_link_into_a_voxel_where_the_species_may_not_live() {
+        let links = Links::from_pairs(3, &[(0, 1, 1.0), (1, 2, 1.0)]);
+        let table = HopTable::build(&links, &[1.0; 3], |i| i != 2).unwrap();
+        assert_eq!(table.leaving, [1.0, 1.0, 0.0]);
+        assert_eq!(table.row(2).collect::<Vec<_>>(), [(2, 1.0)]);
+    }
+}

@@ -1,0 +1,57 @@
+//! Diffusion of every species over one step on the frozen geometry.
+
+use super::SplitState;
+use super::frozen::Frozen;
+use crate::chemistry::diffusion::Jumps;
+use crate::chemistry::reactor::Reactor;
+use crate::error::RunError;
+
+impl SplitState {
+    /// Diffusion of all species from `time` over `dt` seconds: an exact sample for discrete species, the
+    /// exact exponential for continuous ones, whatever the length of the step. Held amounts emit at a
+    /// constant rate, absorb what reaches them, and stay as they are; `supplied` books the difference.
+    ///
+    /// # Errors
+    /// An amount that is negative or not finite at the start of the step.
+    pub fn diffuse(
+        &mut self,
+        reactor: &Reactor,
+        frozen: &Frozen,
+        time: f64,
+        dt: f64,
+    ) -> Result<(), RunError> {
+        let species = reactor.species_count();
+        for s in 0..species {
+            let Some(table) = frozen.table(s) else { continue };
+            let (jumps, pieces) = Jumps::expected(reactor.diffusivity[s] * table.rate * dt);
+            if jumps.tail.is_empty() {
+                continue;
+            }
+            if let Some((voxel, &count)) = self
+                .amounts
+                .iter()
+                .skip(s)
+                .step_by(species)
+                .enumerate()
+                .find(|&(_, &n)| !(n >= 0.0 && n < f64::INFINITY))
+            {
+                let (species, event) =
+                    (reactor.species[s].clone(), String::from("the start of a diffusion step"));
+                return Err(RunError::NegativeCount { time, voxel, species, count, event });
+            }
+            let held: Vec<(u32, f64)> =
+                frozen.held_voxels[s].iter().map(|&h| (h, self.emission(h as usize * species + s))).collect();
+            for _ in 0..pieces {
+                let state = (self.amounts.as_mut_slice(), s, species);
+                let moved = if reactor.discrete[s] {
+                    self.walkers.diffuse(table, &jumps, state, &held, &mut self.hops)
+                } else {
+                    self.flow.diffuse(table, &jumps, state, &held)
+                };
+                self.counters.hops += moved.hops;
+                self.supplied[s] += moved.emitted;
+            }
+        }
+        Ok(())
+    }
+}
