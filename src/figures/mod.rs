@@ -1,1 +1,148 @@
+//! Figures of a run, drawn from its tables and its record alone.
+//!
+//! A figure is a [`Drawing`]: marks in millimetres of print. It is saved as SVG and PNG; a raster of
+//! particles as PNG only.
 
+mod bitmap;
+pub mod colours;
+mod distributions;
+pub mod drawing;
+mod fields;
+pub mod panel;
+mod probes;
+mod profiles;
+mod setup;
+mod svg;
+mod time;
+pub mod units;
+
+pub use bitmap::write_png;
+pub use drawing::Drawing;
+pub use svg::{escape, svg};
+
+use crate::error::RunError;
+use crate::record::RunRecord;
+use crate::tables::{self, Bin, ParticleFrame, ProbeRows, SeriesTable};
+use std::path::Path;
+
+/// Width of a figure over the full text width, mm.
+pub const WIDTH: f64 = 170.0;
+
+/// A figure with its file name (no ending), title and caption.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    pub name: String,
+    pub title: String,
+    pub caption: String,
+    pub drawing: Drawing,
+    /// Thousands of marks: PNG only.
+    pub raster: bool,
+}
+
+/// Everything figures are drawn from; what a run did not record is empty.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    pub record: RunRecord,
+    pub series: SeriesTable,
+    pub probes: Vec<ProbeRows>,
+    pub histograms: Vec<Bin>,
+    /// Species of the particle frames.
+    pub species: Vec<String>,
+    /// Frames of the first realization, thinned to a few dozen; the first and last are kept.
+    pub frames: Vec<ParticleFrame>,
+}
+
+impl Samples {
+    /// Reads the record and the tables below `dir`.
+    ///
+    /// # Errors
+    /// [`RunError::File`] if the record is missing or a table that exists cannot be read.
+    pub fn read(dir: &Path) -> Result<Samples, RunError> {
+        let record = tables::read_record(dir)?;
+        let has = |name: &str| dir.join("tables").join(name).exists();
+        let series = if has("series.parquet") { tables::read_series(dir)? } else { SeriesTable::default() };
+        let probes = if has("probes.parquet") { tables::read_probes(dir)? } else { Vec::new() };
+        let histograms = if has("histogram.parquet") { tables::read_histograms(dir)? } else { Vec::new() };
+        let (species, frames) = first_realization(dir)?;
+        Ok(Samples { record, series, probes, histograms, species, frames })
+    }
+}
+
+fn first_realization(dir: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), RunError> {
+    const MOST: usize = 32;
+    let parts = tables::list_particles(dir);
+    let first = parts.first().map(|p| p.0);
+    let (mut species, mut kept, mut last) = (Vec::new(), Vec::new(), None);
+    let (mut seen, mut stride) = (0usize, 1usize);
+    for (_, _, path) in parts.iter().filter(|p| Some(p.0) == first) {
+        let (names, frames) = tables::read_particles(path)?;
+        species = names;
+        for frame in frames {
+            if seen.is_multiple_of(stride) {
+                kept.push(frame);
+                last = None;
+            } else {
+                last = Some(frame);
+            }
+            seen += 1;
+            if kept.len() > MOST {
+                // Every second one goes: memory stays bounded however long the run.
+                let mut index = 0;
+                kept.retain(|_| {
+                    index += 1;
+                    index % 2 == 1
+                });
+                stride *= 2;
+            }
+        }
+    }
+    kept.extend(last);
+    Ok((species, kept))
+}
+
+/// Every figure the samples allow, in the order of the report.
+#[must_use]
+pub fn draw(samples: &Samples) -> Vec<Figure> {
+    let mut out = Vec::new();
+    out.extend(setup::setup(samples));
+    out.extend(fields::concentrations(samples));
+    out.extend(fields::flow(samples));
+    out.extend(profiles::profiles(samples));
+    out.extend(time::occupancy(samples));
+    out.extend(time::amounts(samples));
+    out.extend(probes::probes(samples));
+    out.extend(distributions::distributions(samples));
+    out.extend(time::fano(samples));
+    out
+}
+
+/// Saves a figure below `dir` (as `name.png`, and `name.svg` unless it is a raster), each file as a whole or not at all.
+///
+/// # Errors
+/// [`RunError::File`] if a file cannot be written.
+pub fn save(figure: &Figure, dir: &Path) -> Result<(), RunError> {
+    let png = dir.join(format!("{}.png", figure.name));
+    let fault = |reason: String| RunError::File { path: png.display().to_string(), reason };
+    std::fs::create_dir_all(dir).map_err(|e| fault(e.to_string()))?;
+    // plotters chooses the format by the ending, so the temporary name keeps it.
+    let temporary = dir.join(format!(".writing-{}.png", figure.name));
+    write_png(&figure.drawing, &temporary).map_err(fault)?;
+    std::fs::rename(&temporary, &png).map_err(|e| fault(e.to_string()))?;
+    if !figure.raster {
+        tables::write_bytes(&dir.join(format!("{}.svg", figure.name)), svg(&figure.drawing).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// A name that is safe in a file name.
+pub(crate) fn slug(text: &str) -> String {
+    text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
+}
+
+/// Up to `most` indices spread evenly over 0..count, first and last among them.
+pub(crate) fn spread(count: usize, most: usize) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    (0..most).map(|k| (k * (count - 1)).div_ceil(most - 1)).collect()
+}

@@ -1,0 +1,189 @@
+//! Amounts, occupancy and Fano factor against time.
+
+use super::colours::{GREY, PALETTE};
+use super::panel::{Axis, Panel, grid};
+use super::{Figure, Samples, WIDTH};
+use crate::statistics::{fano as fano_factor, mean, quantile};
+
+/// Most panels of one figure, and most single realizations drawn into one.
+const PANELS: usize = 24;
+const LINES: usize = 20;
+/// Realizations from which a 5 to 95 % band says something.
+const BAND: usize = 5;
+
+/// One quantity: its values realization by realization, each as long as the times.
+struct Curves {
+    title: String,
+    values: Vec<Vec<f64>>,
+}
+
+/// Amount of every species in every group where it ever occurs.
+pub fn amounts(samples: &Samples) -> Option<Figure> {
+    let names = &samples.series.columns;
+    let single_group = names.groups.iter().all(|g| *g == names.groups[0]);
+    let mut curves: Vec<Curves> = (0..names.len())
+        .map(|c| Curves {
+            title: if single_group {
+                names.species[c].clone()
+            } else {
+                format!("{} in {}", names.species[c], names.groups[c])
+            },
+            values: column(samples, c),
+        })
+        .filter(|c| c.values.iter().flatten().any(|v| *v != 0.0))
+        .collect();
+    let left_out = curves.len().saturating_sub(PANELS);
+    curves.truncate(PANELS);
+    let mut caption = caption(samples);
+    if left_out > 0 {
+        caption += &format!(" {left_out} more series stand in the tables.");
+    }
+    figure(samples, "amounts", "Amounts against time", &caption, &curves, "molecules", "amount")
+}
+
+/// Share of bound receptors wherever an immobile pair X, Y with conserved X + Y and X + … -> Y lives.
+pub fn occupancy(samples: &Samples) -> Option<Figure> {
+    let names = &samples.series.columns;
+    let mut curves = Vec::new();
+    for (free, bound) in pairs(samples) {
+        for c in 0..names.len() {
+            let group = &names.groups[c];
+            let Some(b) = names.find(group, &bound).filter(|_| names.species[c] == free) else { continue };
+            // The sum over the domain repeats the one group the pair lives in.
+            if group == "all" && names.groups.iter().any(|g| g != "all") {
+                continue;
+            }
+            let (x, y) = (column(samples, c), column(samples, b));
+            let share = |x: &Vec<f64>, y: &Vec<f64>| x.iter().zip(y).map(|(x, y)| y / (x + y)).collect();
+            let values: Vec<Vec<f64>> = x.iter().zip(&y).map(|(x, y)| share(x, y)).collect();
+            if values.iter().flatten().any(|v| v.is_finite()) {
+                curves.push(Curves { title: format!("{bound}/({free} + {bound}) in {group}"), values });
+            }
+        }
+    }
+    figure(samples, "occupancy", "Occupancy of bound receptors", &caption(samples), &curves, "1", "occupancy")
+}
+
+/// Variance over mean across realizations.
+pub fn fano(samples: &Samples) -> Option<Figure> {
+    let series = &samples.series;
+    // The Fano factor of n realizations scatters by √(2/n): below ten it says nothing.
+    if series.blocks.len() < 10 {
+        return None;
+    }
+    let names = &series.columns;
+    let single_group = names.groups.iter().all(|g| *g == names.groups[0]);
+    let curve = |c: usize| Curves {
+        title: if single_group {
+            names.species[c].clone()
+        } else {
+            format!("{} in {}", names.species[c], names.groups[c])
+        },
+        values: vec![(0..series.times.len()).map(|t| fano_factor(&series.across(t, c))).collect()],
+    };
+    let curves: Vec<Curves> = (0..names.len())
+        .map(curve)
+        .filter(|c| c.values[0].iter().any(|v| v.is_finite() && *v > 0.0))
+        .take(PANELS)
+        .collect();
+    let caption = format!(
+        "Variance over mean of the amount across {} realizations; a Poisson distribution has 1 (dashed). The standard error for Gaussian samples is about {:.0} % of the value.",
+        series.blocks.len(),
+        100.0 * (2.0 / (series.blocks.len() as f64 - 1.0)).sqrt()
+    );
+    figure(samples, "fano", "Fano factor against time", &caption, &curves, "1", "variance / mean")
+}
+
+fn caption(samples: &Samples) -> String {
+    match samples.series.blocks.len() {
+        1 => "One realization.".into(),
+        n if n < BAND => format!("Thick: mean of {n} realizations; thin: single realizations."),
+        n => format!(
+            "Thick: mean of {n} realizations; shaded: 5 to 95 % of them; thin: {} single realizations.",
+            n.min(LINES)
+        ),
+    }
+}
+
+fn column(samples: &Samples, c: usize) -> Vec<Vec<f64>> {
+    let (series, width) = (&samples.series, samples.series.columns.len());
+    series.blocks.iter().map(|b| (0..series.times.len()).map(|t| b.amount[t * width + c]).collect()).collect()
+}
+
+/// (free, bound) of each receptor.
+fn pairs(samples: &Samples) -> Vec<(String, String)> {
+    let record = &samples.record;
+    let immobile = |name: &str| record.species.iter().any(|s| s.name == name && s.diffusion == 0.0);
+    let binds = |free: &str, bound: &str| {
+        record.reactions.iter().any(|r| {
+            let Some((left, right)) = r.equation.split_once("->") else { return false };
+            let left: Vec<&str> = left.trim_end_matches('<').split(" + ").map(str::trim).collect();
+            left.len() > 1 && left.contains(&free) && right.split(" + ").any(|p| p.trim() == bound)
+        })
+    };
+    let mut out = Vec::new();
+    for law in &record.conservation_laws {
+        let terms: Vec<&str> = law.split('+').map(str::trim).collect();
+        let [a, b] = terms[..] else { continue };
+        if immobile(a) && immobile(b) {
+            if binds(a, b) {
+                out.push((a.to_string(), b.to_string()));
+            } else if binds(b, a) {
+                out.push((b.to_string(), a.to_string()));
+            }
+        }
+    }
+    out
+}
+
+fn figure(
+    samples: &Samples,
+    name: &str,
+    title: &str,
+    caption: &str,
+    curves: &[Curves],
+    unit: &str,
+    label: &str,
+) -> Option<Figure> {
+    let times = &samples.series.times;
+    if curves.is_empty() || times.len() < 2 {
+        return None;
+    }
+    let columns = match curves.len() {
+        1 => 1,
+        2 | 4 => 2,
+        _ => 3,
+    };
+    let width = if columns == 1 { 110.0 } else { WIDTH };
+    let (mut d, frames) = grid(curves.len(), columns, width, [58.0, 44.0, 34.0][columns - 1]);
+    for (curve, frame) in curves.iter().zip(frames) {
+        let n = curve.values.len();
+        let y = Axis::covering(curve.values.iter().flatten().copied(), unit, label).with_air();
+        let x = Axis::covering(times.iter().copied(), "s", "time");
+        let p = Panel { left: frame[0], top: frame[1], width: frame[2], height: frame[3], x, y };
+        let colour = PALETTE[0];
+        let at = |t: usize| -> Vec<f64> { curve.values.iter().map(|v| v[t]).collect() };
+        let over = |f: &dyn Fn(&[f64]) -> f64| -> Vec<f64> { (0..times.len()).map(|t| f(&at(t))).collect() };
+        if n >= BAND {
+            let (low, high) = (over(&|v| quantile(v, 0.05)), over(&|v| quantile(v, 0.95)));
+            p.band(&mut d, times, &low, &high, colour.faint(0.18));
+        }
+        if n > 1 {
+            for values in curve.values.iter().take(LINES) {
+                p.curve(&mut d, times, values, 0.1, GREY.faint(0.55));
+            }
+        }
+        if name == "fano" {
+            p.level(&mut d, 1.0);
+        }
+        p.curve(&mut d, times, &over(&mean), 0.45, colour);
+        p.axes(&mut d, &curve.title);
+    }
+    Some(Figure {
+        name: name.into(),
+        title: title.into(),
+        caption: caption.into(),
+        drawing: d,
+        raster: false,
+    })
+}

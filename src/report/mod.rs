@@ -1,0 +1,97 @@
+//! The page of a run: what was run, what came out, whether to trust it.
+//!
+//! One self-contained HTML file without scripts; vector figures are inline SVG, rasters inline PNG. Reads
+//! `run.json` and the tables only.
+
+mod base64;
+#[cfg(test)]
+mod example;
+mod html;
+mod sections;
+mod summary;
+
+use crate::error::RunError;
+use crate::figures::{self, Figure, Samples, escape};
+use crate::tables;
+use std::path::Path;
+
+/// Draws `figures/` and writes `report.html` in a run's folder.
+///
+/// # Errors
+/// [`RunError::File`] if the record is missing, a table cannot be read or a file cannot be written.
+pub fn write(dir: &Path) -> Result<(), RunError> {
+    let samples = Samples::read(dir)?;
+    let drawn = figures::draw(&samples);
+    let folder = dir.join("figures");
+    for figure in &drawn {
+        figures::save(figure, &folder)?;
+    }
+    let mut shown = Vec::new();
+    for (number, figure) in drawn.iter().enumerate() {
+        shown.push((section(figure), inline(figure, number + 1, &folder)?));
+    }
+    let page = page(&samples, &shown);
+    tables::write_bytes(&dir.join("report.html"), page.as_bytes())
+}
+
+/// Headings of the page's figures, in order.
+const SECTIONS: [&str; 4] = ["Set-up", "Fields", "Course in time", "Profiles and distributions"];
+
+fn section(figure: &Figure) -> usize {
+    match figure.name.as_str() {
+        "setup" => 0,
+        name if name.starts_with("field_") || name == "velocity" || name == "pressure" => 1,
+        "amounts" | "occupancy" => 2,
+        _ => 3,
+    }
+}
+
+fn inline(figure: &Figure, number: usize, folder: &Path) -> Result<String, RunError> {
+    let image = if figure.raster {
+        let path = folder.join(format!("{}.png", figure.name));
+        let bytes = std::fs::read(&path)
+            .map_err(|e| RunError::File { path: path.display().to_string(), reason: e.to_string() })?;
+        format!(
+            "<img alt=\"{}\" style=\"width:{:.0}mm\" src=\"data:image/png;base64,{}\">",
+            escape(&figure.title),
+            figure.drawing.width,
+            base64::base64(&bytes)
+        )
+    } else {
+        figures::svg(&figure.drawing)
+    };
+    Ok(format!(
+        "<figure>{image}<figcaption><b>Figure {number}. {}.</b> {}</figcaption></figure>\n",
+        escape(&figure.title),
+        escape(&figure.caption)
+    ))
+}
+
+fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
+    let record = &samples.record;
+    let mut out = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
+        escape(&record.name),
+        include_str!("style.css")
+    );
+    out += &summary::summary(samples);
+    out += &sections::chemistry(record);
+    for (k, heading) in SECTIONS.iter().enumerate() {
+        let here: Vec<&str> = figures.iter().filter(|f| f.0 == k).map(|f| f.1.as_str()).collect();
+        if !here.is_empty() {
+            out += &format!("<h2>{heading}</h2>\n{}", here.concat());
+        }
+    }
+    out += &sections::numbers(samples);
+    out += &sections::health(record);
+    out += &sections::cost(record);
+    out += &sections::provenance(record);
+    out += &format!(
+        "<footer>{} {}; figures also as files under <code>figures/</code>, numbers under <code>tables/</code>.</footer>\n</body>\n</html>\n",
+        escape(&record.program),
+        escape(&record.version)
+    );
+    out
+}

@@ -1,0 +1,56 @@
+//! What a run leaves as tables: Parquet by polars, `run.json`, and their readers.
+//!
+//! Every file is written under a temporary name in its own folder and then renamed, so a reader never sees
+//! half a file. Rows come in a fixed order and row groups have a fixed size: the same samples give the same bytes.
+
+mod frame;
+mod particles;
+mod probes;
+mod record;
+mod series;
+mod summary;
+
+pub use particles::{ParticleFrame, list_particles, read_particles, write_particles};
+pub use probes::{ProbeRows, read_probes, write_probes};
+pub use record::{read_record, write_record};
+pub use series::{Columns, SeriesBlock, SeriesTable, read_series, write_series};
+pub use summary::{
+    Bin, CovarianceRow, StatisticsRow, read_covariance, read_histograms, read_statistics, write_covariance,
+    write_histograms, write_statistics,
+};
+
+use crate::error::RunError;
+use std::io::Write;
+use std::path::Path;
+
+/// Writes a file as a whole or not at all: temporary name in the same folder, then rename. Makes the folder
+/// if it is missing.
+///
+/// # Errors
+/// [`RunError::File`] with the path and what the system said.
+pub fn write_atomically(
+    path: &Path,
+    content: impl FnOnce(&mut std::fs::File) -> Result<(), String>,
+) -> Result<(), RunError> {
+    let fault = |reason: String| RunError::File { path: path.display().to_string(), reason };
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|e| fault(e.to_string()))?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".writing-");
+    // Without this the file would keep the private mode of a temporary file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    let mut file = builder.tempfile_in(folder).map_err(|e| fault(e.to_string()))?;
+    content(file.as_file_mut()).map_err(fault)?;
+    file.as_file_mut().flush().map_err(|e| fault(e.to_string()))?;
+    file.persist(path).map_err(|e| fault(e.error.to_string()))?;
+    Ok(())
+}
+
+/// Writes text or bytes as a whole or not at all.
+///
+/// # Errors
+/// [`RunError::File`] with the path and what the system said.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
+    write_atomically(path, |file| file.write_all(bytes).map_err(|e| e.to_string()))
+}

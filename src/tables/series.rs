@@ -1,0 +1,190 @@
+//! `tables/series.parquet`: amounts against time, realization by realization.
+
+use super::frame::{self, Table};
+use crate::error::RunError;
+use polars::prelude::*;
+use std::path::Path;
+
+/// Rows of a row group, roughly; bounds the memory of writing.
+const ROWS_PER_GROUP: usize = 1 << 20;
+
+/// What the columns of a [`SeriesBlock`] are: column c is species `species[c]` in group `groups[c]`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Columns {
+    pub groups: Vec<String>,
+    pub species: Vec<String>,
+}
+
+impl Columns {
+    /// Number of columns.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.groups.len().min(self.species.len())
+    }
+
+    /// Whether there is no column.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The column of a species in a group.
+    #[must_use]
+    pub fn find(&self, group: &str, species: &str) -> Option<usize> {
+        (0..self.len()).find(|&c| self.groups[c] == group && self.species[c] == species)
+    }
+}
+
+/// One realization, row-major times x columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SeriesBlock {
+    pub realization: u32,
+    /// Molecules.
+    pub amount: Vec<f64>,
+    /// mol/m³.
+    pub concentration: Vec<f64>,
+}
+
+/// The whole of `series.parquet`, blocks in order of realization.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SeriesTable {
+    /// s.
+    pub times: Vec<f64>,
+    pub columns: Columns,
+    pub blocks: Vec<SeriesBlock>,
+}
+
+impl SeriesTable {
+    /// Amounts of one column at one time across realizations.
+    #[must_use]
+    pub fn across(&self, time: usize, column: usize) -> Vec<f64> {
+        across(&self.blocks, self.columns.len(), time, column)
+    }
+}
+
+/// Amounts of one column at one time across realizations.
+pub(super) fn across(blocks: &[SeriesBlock], columns: usize, time: usize, column: usize) -> Vec<f64> {
+    blocks.iter().filter_map(|b| b.amount.get(time * columns + column).copied()).collect()
+}
+
+/// Writes `tables/series.parquet` below `dir`, sorted by realization, time and column.
+///
+/// # Errors
+/// [`RunError::File`] if the file cannot be written or a block does not have times x columns values.
+pub fn write_series(
+    dir: &Path,
+    times: &[f64],
+    columns: &Columns,
+    blocks: &[SeriesBlock],
+) -> Result<(), RunError> {
+    let path = dir.join("tables/series.parquet");
+    let size = times.len() * columns.len();
+    let mut sorted: Vec<&SeriesBlock> = blocks.iter().collect();
+    sorted.sort_by_key(|b| b.realization);
+    if let Some(b) = sorted.iter().find(|b| b.amount.len() != size || b.concentration.len() != size) {
+        let reason = format!("realization {} holds {} amounts for {size}", b.realization, b.amount.len());
+        return Err(RunError::File { path: path.display().to_string(), reason });
+    }
+    let per_group = (ROWS_PER_GROUP / size.max(1)).max(1);
+    let empty: [&[&SeriesBlock]; 1] = [&[]];
+    let chunks: Vec<&[&SeriesBlock]> =
+        if sorted.is_empty() { empty.to_vec() } else { sorted.chunks(per_group).collect() };
+    frame::write_frames(&path, chunks.into_iter().map(|chunk| row_group(times, columns, chunk)))
+}
+
+fn row_group(times: &[f64], columns: &Columns, blocks: &[&SeriesBlock]) -> PolarsResult<DataFrame> {
+    let (width, size) = (columns.len(), times.len() * columns.len());
+    let rows = || blocks.iter().flat_map(|b| (0..size).map(move |k| (b, k)));
+    let group: Vec<&str> = rows().map(|(_, k)| columns.groups[k % width].as_str()).collect();
+    let species: Vec<&str> = rows().map(|(_, k)| columns.species[k % width].as_str()).collect();
+    DataFrame::new_infer_height(vec![
+        frame::whole("realization", rows().map(|(b, _)| b.realization).collect()),
+        frame::reals("time", rows().map(|(_, k)| times[k / width]).collect()),
+        frame::text("group", &group),
+        frame::text("species", &species),
+        frame::reals("amount", rows().map(|(b, k)| b.amount[k]).collect()),
+        frame::reals("concentration", rows().map(|(b, k)| b.concentration[k]).collect()),
+    ])
+}
+
+/// Reads `tables/series.parquet` below `dir`.
+///
+/// # Errors
+/// [`RunError::File`] if the file or a column is missing, or a realization is incomplete.
+pub fn read_series(dir: &Path) -> Result<SeriesTable, RunError> {
+    let path = dir.join("tables/series.parquet");
+    let table = Table::read(&path)?;
+    let (realization, time) = (table.whole("realization")?, table.reals("time")?);
+    let (group, species) = (table.text("group")?, table.text("species")?);
+    let (amount, concentration) = (table.reals("amount")?, table.reals("concentration")?);
+    let mut out = SeriesTable::default();
+    let Some(&first) = realization.first() else { return Ok(out) };
+    let size = realization.iter().take_while(|&&r| r == first).count();
+    let width = time[..size].iter().take_while(|&&t| t == time[0]).count();
+    out.times = time[..size].iter().step_by(width).copied().collect();
+    out.columns.groups = group[..width].iter().map(|g| g.to_string()).collect();
+    out.columns.species = species[..width].iter().map(|s| s.to_string()).collect();
+    for start in (0..realization.len()).step_by(size) {
+        let rows = start..(start + size).min(realization.len());
+        let complete = rows.len() == size
+            && rows.clone().all(|k| {
+                realization[k] == realization[start]
+                    && time[k] == time[k - start]
+                    && group[k] == group[(k - start) % width]
+                    && species[k] == species[(k - start) % width]
+            });
+        if !complete {
+            let reason = format!("realization {} is incomplete or out of order", realization[start]);
+            return Err(RunError::File { path: path.display().to_string(), reason });
+        }
+        out.blocks.push(SeriesBlock {
+            realization: realization[start],
+            amount: amount[rows.clone()].to_vec(),
+            concentration: concentration[rows].to_vec(),
+        });
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> SeriesTable {
+        let columns = Columns {
+            groups: ["water", "water", "all", "all"].map(String::from).to_vec(),
+            species: ["A", "B", "A", "B"].map(String::from).to_vec(),
+        };
+        let block = |realization: u32| SeriesBlock {
+            realization,
+            amount: (0..8).map(|k| f64::from(k + realization)).collect(),
+            concentration: (0..8).map(|k| f64::from(k) * 1e-6).collect(),
+        };
+        SeriesTable { times: vec![0.0, 0.5], columns, blocks: vec![block(3), block(4)] }
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_and_has_the_same_bytes() {
+        let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let t = example();
+        write_series(one.path(), &t.times, &t.columns, &t.blocks).unwrap();
+        assert_eq!(read_series(one.path()).unwrap(), t);
+        let turned: Vec<SeriesBlock> = t.blocks.iter().rev().cloned().collect();
+        write_series(two.path(), &t.times, &t.columns, &turned).unwrap();
+        let bytes = |dir: &Path| std::fs::read(dir.join("tables/series.parquet")).unwrap();
+        assert_eq!(bytes(one.path()), bytes(two.path()));
+        assert_eq!(std::fs::read_dir(one.path().join("tables")).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn faults_name_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let missing = read_series(dir.path()).unwrap_err().to_string();
+        assert!(missing.contains("series.parquet"), "{missing}");
+        let mut t = example();
+        t.blocks[0].amount.pop();
+        assert!(write_series(dir.path(), &t.times, &t.columns, &t.blocks).is_err());
+        write_series(dir.path(), &t.times, &t.columns, &[]).unwrap();
+        assert!(read_series(dir.path()).unwrap().blocks.is_empty());
+    }
+}
