@@ -12,13 +12,25 @@ pub mod random;
 pub mod vector;
 
 pub mod chemistry;
-pub mod fluid;
 pub mod geometry;
+
+pub mod fluid;
 pub mod model;
 
+pub mod plan;
+pub mod simulation;
+
 pub mod record;
+pub mod sampling;
 pub mod statistics;
 
 pub mod figures;
 pub mod report;
 pub mod tables;
+pub mod vtk;
+
+pub mod ensemble;
+pub mod results;
+pub mod validation;
+
+pub mod cli;

@@ -3,7 +3,7 @@
 use crate::error::{Fault, ModelError, RunError};
 use crate::record::RunRecord;
 use crate::sampling::Observed;
-use crate::tables::{self, Columns, ProbeRows, SeriesBlock};
+use crate::tables::{self, Columns, ParticleFrame, ProbeRows, SeriesBlock};
 use std::path::Path;
 
 /// All that a run leaves behind but its particle tables and its figures.
@@ -69,7 +69,7 @@ impl Results {
             if !one.frames.is_empty() {
                 tables::write_particles(dir, realization, 0, &species, &one.frames)?;
                 if vtk {
-                    crate::vtk::write_series(dir, realization, &one.frames, &species)?;
+                    write_vtk(dir, realization, &one.frames, &species)?;
                 }
             }
             self.blocks.push(one.series);
@@ -79,6 +79,18 @@ impl Results {
         self.probes.sort_by_key(|rows| rows.realization);
         Ok(())
     }
+}
+
+/// ParaView files of a realization below `vtk/`: one `.vtu` per output time and a `.pvd` that lists them.
+fn write_vtk(dir: &Path, realization: u32, frames: &[ParticleFrame], species: &[String]) -> Result<(), RunError> {
+    let folder = dir.join("vtk");
+    let mut listed = Vec::new();
+    for (k, frame) in frames.iter().enumerate() {
+        let name = format!("realization-{realization:04}-{k:05}.vtu");
+        crate::vtk::write_vtu(&folder.join(&name), frame, species)?;
+        listed.push((frame.time, name));
+    }
+    crate::vtk::write_pvd(&folder.join(format!("realization-{realization:04}.pvd")), &listed)
 }
 
 /// Joins blocks of one ensemble. The blocks must come from the same program, model and seed, and follow each

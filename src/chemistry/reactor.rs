@@ -66,6 +66,16 @@ impl Reactor {
         Reactor::new(network, discrete, &habitat, &active)
     }
 
+    /// Net molecules of species `s` made by `fired[r]` events of each reaction r.
+    #[must_use]
+    pub fn made(&self, fired: &[u64], s: usize) -> f64 {
+        (0..self.propensities.len())
+            .flat_map(|r| self.propensities.changes(r).iter().map(move |change| (r, change)))
+            .filter(|(_, change)| change.0 as usize == s)
+            .map(|(r, change)| fired[r] as f64 * change.1)
+            .sum()
+    }
+
     /// Number of species.
     #[inline]
     #[must_use]

@@ -40,6 +40,8 @@ pub struct SplitState {
     /// Net molecules of each species that reservoirs (held amounts, sponges) brought in.
     pub supplied: Vec<f64>,
     pub counters: Counters,
+    /// Events of each reaction so far.
+    pub fired: Vec<u64>,
     /// Integrated hazard each voxel has left until its next reaction (unit exponentials; Anderson 2007).
     clocks: Vec<f64>,
     /// Mean by which a held amount emits if that is not the amount itself; empty or one per amount.
@@ -65,6 +67,7 @@ impl SplitState {
             amounts,
             supplied: vec![0.0; species],
             counters: Counters::default(),
+            fired: vec![0; reactor.propensities.len()],
             clocks: (0..voxels).map(|_| exponential(&mut reactions)).collect(),
             held_mean: Vec::new(),
             reactions,
@@ -85,6 +88,12 @@ impl SplitState {
         self.react(reactor, frozen, time, 0.5 * dt)?;
         self.diffuse(reactor, frozen, time, dt)?;
         self.react(reactor, frozen, time + 0.5 * dt, 0.5 * dt)
+    }
+
+    /// Net molecules of species `s` that sampled reactions made so far.
+    #[must_use]
+    pub fn made(&self, reactor: &Reactor, s: usize) -> f64 {
+        reactor.made(&self.fired, s)
     }
 
     /// Molecules of species `s` in all voxels.

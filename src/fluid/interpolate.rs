@@ -83,6 +83,19 @@ impl<const D: usize> Interpolator<D> {
         &self.weights[self.offsets[point] as usize..self.offsets[point + 1] as usize]
     }
 
+    /// The same weights, with no support at the points `dropped` tells.
+    #[must_use]
+    pub fn without(&self, dropped: impl Fn(usize) -> bool) -> Interpolator<D> {
+        let mut kept = Interpolator { offsets: vec![0], weights: Vec::new() };
+        for point in 0..self.points() {
+            if !dropped(point) {
+                kept.weights.extend_from_slice(self.row(point));
+            }
+            kept.offsets.push(kept.weights.len() as u32);
+        }
+        kept
+    }
+
     /// The field at a point; not a number where no particle is in reach.
     #[inline]
     pub fn apply(&self, point: usize, value: impl Fn(usize) -> f64) -> f64 {

@@ -538,7 +538,7 @@ fn fluid(node: &Node, d: usize, faults: &mut Faults) -> Option<FluidModel> {
         fields.finish(faults);
         return None;
     }
-    let mut positive = |fields: &mut Fields, key: &str, dimension| {
+    let mut positive = |fields: &mut Fields, key: &'static str, dimension| {
         fields.required(key, faults).and_then(|n| n.positive(dimension, faults))
     };
     let density = positive(&mut fields, "density", Dimension::DENSITY);

@@ -291,7 +291,7 @@ fn probes(node: &Node, domain: &Domain, network: &Network, faults: &mut Faults) 
     found
 }
 
-fn at_least(fields: &mut Fields, key: &str, least: i64, usual: usize, faults: &mut Faults) -> Option<usize> {
+fn at_least(fields: &mut Fields, key: &'static str, least: i64, usual: usize, faults: &mut Faults) -> Option<usize> {
     let Some(n) = fields.optional(key) else { return Some(usual) };
     let value = n.integer(faults)?;
     if value < least || value > 1_000_000 {

@@ -26,8 +26,20 @@ pub struct Start {
     pub poisson: Vec<(u32, f64)>,
     /// Whether an amount is held.
     pub held: Vec<bool>,
-    /// Held amounts that are dealt Poisson before every step: index and mean.
-    pub held_poisson: Vec<(u32, f64)>,
+    /// Held amounts that are dealt Poisson at every step: species, voxels, means.
+    pub held_poisson: Vec<(usize, Vec<u32>, Vec<f64>)>,
+}
+
+impl Start {
+    /// Amounts with means where they are dealt.
+    #[must_use]
+    pub fn means(&self) -> Vec<f64> {
+        let mut amounts = self.amounts.clone();
+        for &(index, mean) in &self.poisson {
+            amounts[index as usize] += mean;
+        }
+        amounts
+    }
 }
 
 /// Works out the start.
@@ -54,13 +66,14 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
         for held in held {
             for (s, amount) in &held.species {
                 let members = members(plan, voxels, Some(usize::from(held.group)), *s);
-                for (i, mean) in means(plan, voxels, &members, *s, amount, held.deal) {
-                    let index = i * count + s;
-                    start.held[index] = true;
-                    start.amounts[index] = mean;
-                    if held.deal == Deal::Poisson && plan.reactor.discrete[*s] {
-                        start.held_poisson.push((index as u32, mean));
-                    }
+                let means = means(plan, voxels, &members, *s, amount, held.deal);
+                for &(i, mean) in &means {
+                    start.held[i * count + s] = true;
+                    start.amounts[i * count + s] = mean;
+                }
+                if held.deal == Deal::Poisson && plan.reactor.discrete[*s] {
+                    let (voxels, means) = means.into_iter().map(|(i, mean)| (i as u32, mean)).unzip();
+                    start.held_poisson.push((*s, voxels, means));
                 }
             }
         }

@@ -14,6 +14,7 @@ use crate::plan::{Compartments, Plan};
 use crate::random::{Purpose, stream};
 use crate::record::{StepRecord, StepsRecord};
 use crate::sampling::{Observed, Sums};
+use crate::tables::SeriesBlock;
 use crate::vector::Vector;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -77,6 +78,14 @@ impl<'p> Ready<'p> {
             _ => Vec::new(),
         };
         StepsRecord { fluid: None, chemistry, method: method.into(), approximations, shared_flow: false }
+    }
+
+    /// The series at the start, with means where amounts are dealt.
+    #[must_use]
+    pub fn first_look(&self) -> SeriesBlock {
+        let mut block = SeriesBlock::default();
+        self.sums.look(&self.start.means(), &mut block);
+        block
     }
 
     /// Runs realizations; those that finish are kept whatever befalls others.

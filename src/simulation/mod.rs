@@ -86,6 +86,23 @@ impl<'p> Ready<'p> {
         }
     }
 
+    /// Amounts at the start that are not zero: group, species, molecules (means where they are dealt).
+    #[must_use]
+    pub fn amounts(&self, plan: &Plan) -> Vec<(String, String, f64)> {
+        let block = match self {
+            Ready::Compartments(ready) => ready.first_look(),
+            Ready::Line(ready) => ready.first_look(),
+            Ready::Plane(ready) => ready.first_look(),
+            Ready::Space(ready) => ready.first_look(),
+        };
+        plan.columns
+            .iter()
+            .zip(block.amount)
+            .filter(|(_, amount)| *amount != 0.0)
+            .map(|(column, amount)| (plan.group_name(column), plan.reactor.species[column.species].clone(), amount))
+            .collect()
+    }
+
     /// Runs realizations and watches them; returns what was finished even if something stops it.
     pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
         match self {

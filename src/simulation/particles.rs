@@ -12,6 +12,7 @@ use crate::plan::{ParticlePlan, Plan};
 use crate::random::{Purpose, stream};
 use crate::record::{StepRecord, StepsRecord};
 use crate::sampling::{Lens, Observed};
+use crate::tables::SeriesBlock;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -115,6 +116,14 @@ impl<'p, const D: usize> Ready<'p, D> {
         }
     }
 
+    /// The series at the start, with means where amounts are dealt.
+    #[must_use]
+    pub fn first_look(&self) -> SeriesBlock {
+        let mut observed = Observed::new(0);
+        Lens::new(self.plan, &self.scene, 0.0).look(&self.start.means(), true, &mut observed);
+        observed.series
+    }
+
     /// Runs realizations.
     #[must_use]
     pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
@@ -134,7 +143,9 @@ impl<'p, const D: usize> Ready<'p, D> {
         }
         let state = SplitState::new(&self.plan.reactor, amounts, seed, u64::from(number));
         let total = (0..self.plan.reactor.species.len()).map(|s| state.total(s)).collect();
-        Realization { number, state, total, observed: Observed::new(number) }
+        let mut one = Realization { number, state, total, observed: Observed::new(number) };
+        one.deal_held(self.plan, &self.start);
+        one
     }
 
     /// All realizations step by step on one flow.
@@ -156,7 +167,7 @@ impl<'p, const D: usize> Ready<'p, D> {
                 let chemistry = Instant::now();
                 let first = members
                     .par_iter_mut()
-                    .try_for_each(|one| one.before(plan, &self.frozen, &reservoirs, &self.start, time, 0.5 * tick));
+                    .try_for_each(|one| one.before(plan, &self.frozen, &reservoirs, time, 0.5 * tick));
                 let fluid = Instant::now();
                 tally.chemistry_seconds += (fluid - chemistry).as_secs_f64();
                 let moved = first.and_then(|()| self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps));
@@ -201,7 +212,7 @@ impl<'p, const D: usize> Ready<'p, D> {
                             return Ok(false);
                         }
                         let (time, half) = (interval.time(k), 0.5 * interval.tick());
-                        one.before(plan, &self.frozen, &reservoirs, &self.start, time, half)?;
+                        one.before(plan, &self.frozen, &reservoirs, time, half)?;
                         one.after(plan, &self.frozen, &reservoirs, &self.start, time + half, half)?;
                     }
                     lens.look(&one.state.amounts, false, &mut one.observed);
@@ -263,10 +274,7 @@ fn freeze<const D: usize>(plan: &Plan, scene: &Scene<D>, start: &Start) -> Resul
 /// Bounds of the chemistry step, from the amounts at the start with the sponges' targets put in.
 fn bounds<const D: usize>(plan: &Plan, scene: &Scene<D>, frozen: &Frozen, start: &Start) -> StepBounds {
     let count = plan.reactor.species.len();
-    let mut amounts = start.amounts.clone();
-    for &(index, mean) in &start.poisson {
-        amounts[index as usize] += mean;
-    }
+    let mut amounts = start.means();
     for (s, _, voxels, targets) in &Reservoirs::new(plan, scene).sponges {
         for (&i, &target) in voxels.iter().zip(targets) {
             amounts[i as usize * count + s] = target;
@@ -293,27 +301,32 @@ impl Reservoirs {
         Reservoirs { sponges }
     }
 
-    fn act(&self, plan: &Plan, state: &mut SplitState, dt: f64) {
+    fn act(&self, plan: &Plan, frozen: &Frozen, state: &mut SplitState, dt: f64) {
         for (s, rate, voxels, targets) in &self.sponges {
-            state.sponge(&plan.reactor, voxels, *s, *rate, targets, dt);
+            state.sponge((&plan.reactor, frozen), voxels, *s, (*rate, targets), dt);
         }
     }
 }
 
 impl Realization {
+    /// Draws held Poisson amounts anew.
+    fn deal_held(&mut self, plan: &Plan, start: &Start) {
+        for (s, voxels, means) in &start.held_poisson {
+            self.state.deal_held(&plan.reactor, voxels, *s, means);
+        }
+    }
+
     /// The half of a step before the particles move.
     fn before(
         &mut self,
         plan: &Plan,
         frozen: &Frozen,
         reservoirs: &Reservoirs,
-        start: &Start,
         time: f64,
         half: f64,
     ) -> Result<(), RunError> {
         debug_assert_eq!(self.number, self.observed.series.realization);
-        self.state.deal_held(&plan.reactor, &start.held_poisson);
-        reservoirs.act(plan, &mut self.state, half);
+        reservoirs.act(plan, frozen, &mut self.state, half);
         self.state.react(&plan.reactor, frozen, time, half)?;
         self.state.diffuse(&plan.reactor, frozen, time, half)
     }
@@ -330,8 +343,8 @@ impl Realization {
     ) -> Result<(), RunError> {
         self.state.diffuse(&plan.reactor, frozen, time, half)?;
         self.state.react(&plan.reactor, frozen, time, half)?;
-        reservoirs.act(plan, &mut self.state, half);
-        self.state.deal_held(&plan.reactor, &start.held_poisson);
+        reservoirs.act(plan, frozen, &mut self.state, half);
+        self.deal_held(plan, start);
         Ok(())
     }
 }

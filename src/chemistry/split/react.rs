@@ -46,6 +46,7 @@ impl SplitState {
                 supplied: &mut self.supplied,
                 propensities: &mut self.propensities,
                 counters: &mut self.counters,
+                fired: &mut self.fired,
                 random: &mut self.reactions,
             };
             cell.fire(&mut self.clocks[i], time, dt)?;
@@ -66,6 +67,7 @@ struct Cell<'a> {
     supplied: &'a mut [f64],
     propensities: &'a mut Vec<f64>,
     counters: &'a mut Counters,
+    fired: &'a mut [u64],
     random: &'a mut Stream,
 }
 
@@ -132,6 +134,7 @@ impl Cell<'_> {
             self.amounts[s] = count;
         }
         self.counters.events += 1;
+        self.fired[r] += 1;
         Ok(())
     }
 }

@@ -97,6 +97,10 @@ impl EventMethod for Direct<'_> {
         &self.cells.supplied
     }
 
+    fn fired(&self) -> &[u64] {
+        &self.cells.fired
+    }
+
     fn counters(&self) -> Counters {
         self.cells.counters
     }

@@ -16,6 +16,8 @@ pub(super) struct Cells<'a> {
     pub amounts: Vec<f64>,
     pub supplied: Vec<f64>,
     pub counters: Counters,
+    /// Events of each reaction.
+    pub fired: Vec<u64>,
 }
 
 impl<'a> Cells<'a> {
@@ -29,6 +31,7 @@ impl<'a> Cells<'a> {
             amounts,
             supplied: vec![0.0; species],
             counters: Counters::default(),
+            fired: vec![0; reactor.propensities.len()],
         }
     }
 
@@ -54,6 +57,7 @@ impl<'a> Cells<'a> {
             self.hand(voxel, s, change);
         }
         self.counters.events += 1;
+        self.fired[r] += 1;
         Ok(())
     }
 

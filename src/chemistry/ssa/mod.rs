@@ -32,6 +32,9 @@ pub trait EventMethod {
     /// Net molecules of each species brought in by held amounts.
     fn supplied(&self) -> &[f64];
 
+    /// Events of each reaction so far.
+    fn fired(&self) -> &[u64];
+
     /// Events and hops so far.
     fn counters(&self) -> Counters;
 }

@@ -193,6 +193,10 @@ impl EventMethod for NextSubvolume<'_> {
         &self.cells.supplied
     }
 
+    fn fired(&self) -> &[u64] {
+        &self.cells.fired
+    }
+
     fn counters(&self) -> Counters {
         self.cells.counters
     }

@@ -1,0 +1,111 @@
+//! The verb `check`: reads a model and prints the compiled plan.
+
+use super::{Stop, print};
+use crate::chemistry::drawing;
+use crate::ensemble;
+use crate::model::Domain;
+use crate::model::load::{self, Document};
+use crate::plan::Plan;
+use crate::plan::limits::estimate;
+use crate::simulation::{NotReady, Ready};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Directed pairs that one core sweeps in a second, and voxels times realizations that take a chemistry step:
+/// round figures of a common machine, for the estimate of the run time only.
+const PAIRS_PER_SECOND: f64 = 5e7;
+const VOXEL_STEPS_PER_SECOND: f64 = 3e6;
+
+/// Checks a file and prints its plan.
+pub(crate) fn check(file: &Path, overrides: &[String]) -> Result<(), Stop> {
+    let model = match load::document(file, overrides)? {
+        Document::Reactions(network) => {
+            print(&drawing::text(&network));
+            return Ok(());
+        }
+        Document::Model(model) => *model,
+    };
+    let realizations = model.run.realizations;
+    let plan = Plan::new(model, realizations)?;
+    let ready = Ready::new(&plan).map_err(|error| match error {
+        NotReady::Model(error) => Stop::Model(error),
+        NotReady::Run(error) => Stop::Run(error),
+    })?;
+    print(&describe(&plan, &ready));
+    Ok(())
+}
+
+fn describe(plan: &Plan, ready: &Ready) -> String {
+    let mut text = String::new();
+    let record = ensemble::record(plan, &(0..plan.model.run.realizations), ready.steps(), 0);
+    // Writing to a string cannot fail.
+    let mut line = |words: String| {
+        let _ = writeln!(text, "{words}");
+    };
+    line(format!("{}: {}", record.name, record.description));
+    line(format!("\nspecies ({})", record.species.len()));
+    for species in &record.species {
+        let place = if species.only_in.is_empty() { String::new() } else { format!(", only in {}", species.only_in.join(", ")) };
+        line(format!("  {:<12} {}, diffusivity {:.4e} m²/s{place}", species.name, species.representation, species.diffusion));
+    }
+    line(format!("\nreactions ({})", record.reactions.len()));
+    for reaction in &record.reactions {
+        line(format!("  {:<24} {:<28} {}", reaction.name, reaction.equation, reaction.propensity));
+    }
+    line("\nconservation laws".to_string());
+    if record.conservation_laws.is_empty() {
+        line("  none".into());
+    }
+    for law in &record.conservation_laws {
+        line(format!("  {law} = constant"));
+    }
+    line(format!("\ndomain: {}", record.domain.kind));
+    for group in &record.domain.groups {
+        let size = if group.material == "zone" {
+            "a zone that particles pass through".to_string()
+        } else {
+            format!("{} {}, {:.4e} m³", group.particles, if record.domain.kind == "particles" { "particles" } else { "volume" }, group.volume)
+        };
+        line(format!("  {:<12} {:<7} {size}  {}", group.name, group.material, group.shape));
+    }
+    for condition in &record.conditions {
+        line(format!("  {condition}"));
+    }
+    line("\nat the start".to_string());
+    for (group, species, amount) in ready.amounts(plan) {
+        line(format!("  {group:<12} {species:<12} {amount:.6} molecules"));
+    }
+    line(format!("\nmethod: {}", record.steps.method));
+    for (what, step) in [("fluid", &record.steps.fluid), ("chemistry", &record.steps.chemistry)] {
+        if let Some(step) = step {
+            line(format!("  {what} step {:.4e} s, {} steps, limited by {}", step.step, step.count, step.limited_by));
+        }
+    }
+    for approximation in &record.steps.approximations {
+        line(format!("  {approximation}"));
+    }
+    let rough = estimate(&plan.model, plan.model.run.realizations);
+    line(format!(
+        "\nrun: {} realizations until {} s, {} output times; about {:.0} MB of memory{}",
+        plan.model.run.realizations,
+        plan.model.run.until,
+        plan.model.output.times.len(),
+        (rough.bytes / 1e6).max(30.0),
+        run_time(plan, &record.steps, rough.voxels, rough.neighbours)
+    ));
+    text
+}
+
+/// An estimate of the run time on this machine, where the steps are known beforehand.
+fn run_time(plan: &Plan, steps: &crate::record::StepsRecord, voxels: f64, neighbours: f64) -> String {
+    if !matches!(plan.model.domain, Domain::Particles(_)) {
+        return String::new();
+    }
+    let cores = std::thread::available_parallelism().map_or(1.0, |n| n.get() as f64);
+    let fluid = steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
+    let chemistry = steps.chemistry.as_ref().map_or(0.0, |s| {
+        s.count as f64 * voxels * f64::from(plan.model.run.realizations) / VOXEL_STEPS_PER_SECOND
+    });
+    format!(", roughly {:.0} s on {cores} cores", ((fluid + chemistry) / cores).max(1.0))
+}
+
