@@ -1,7 +1,9 @@
 //! Chemistry: reaction networks, propensities, exact samplers and rate equations on a weighted graph of
 //! voxels. Knows amounts, volumes and [`Links`]; never a particle, never a file.
 
+pub mod analysis;
 pub mod diffusion;
+pub mod drawing;
 pub mod formula;
 pub mod law;
 pub mod links;
@@ -11,6 +13,7 @@ pub mod rate_equations;
 pub mod reactor;
 pub mod split;
 pub mod ssa;
+pub mod words;
 
 pub use links::Links;
 pub use network::{Kinetics, Network, Rate, Reaction, Representation, Species};
