@@ -20,6 +20,7 @@ use parser::Tree;
 #[derive(Clone, Debug)]
 pub struct Expression {
     tree: Tree,
+    text: String,
     place: Place,
 }
 
@@ -30,7 +31,7 @@ impl Expression {
     /// The first place where the text is no expression.
     pub fn parse(text: &str, place: &Place) -> Result<Expression, Fault> {
         match parser::parse(text) {
-            Ok(tree) => Ok(Expression { tree, place: place.clone() }),
+            Ok(tree) => Ok(Expression { tree, text: text.trim().to_string(), place: place.clone() }),
             Err(fault) => Err(fault_at(place, fault)),
         }
     }
@@ -51,7 +52,7 @@ impl Expression {
         if faults.is_empty() {
             faults = dimensions::check(&self.tree, &names, expected);
         }
-        let program = if faults.is_empty() { compile::program(&self.tree, &names) } else { Err(faults) };
+        let program = if faults.is_empty() { compile::program(&self.tree, &names, &self.text) } else { Err(faults) };
         program.map_err(|faults| faults.into_iter().map(|f| fault_at(&self.place, f)).collect())
     }
 

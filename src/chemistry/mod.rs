@@ -1,8 +1,10 @@
 //! Chemistry: reaction networks, propensities, exact samplers and rate equations on a weighted graph of
 //! voxels. Knows amounts, volumes and [`Links`]; never a particle, never a file.
 
+pub mod analysis;
 pub mod deal;
 pub mod diffusion;
+pub mod drawing;
 pub mod formula;
 pub mod law;
 pub mod links;
@@ -14,6 +16,7 @@ pub mod reservoir;
 pub mod sampling_numbers;
 pub mod split;
 pub mod ssa;
+pub mod words;
 
 pub use links::Links;
 pub use network::{Kinetics, Network, Rate, Reaction, Representation, Species};

@@ -1,3 +1,4 @@
+<<<<<<< HEAD
 //! Particle chemistry: reaction and diffusion one after the other, each sampled exactly on frozen voxels.
 //!
 //! A step of length τ is `react τ/2, diffuse τ/2 | move the particles | diffuse τ/2, react τ/2` (Strang
@@ -118,3 +119,6 @@ impl SplitState {
         }
     }
 }
+=======
+//! 
+>>>>>>> input

@@ -295,4 +295,4 @@ fn check_order(side: &[Term], what: &str, equation: &Node, faults: &mut Faults) 
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

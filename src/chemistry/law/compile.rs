@@ -59,10 +59,10 @@ pub(super) fn names(tree: &Tree, names: &Names) -> Vec<TextFault> {
 }
 
 /// Compiles a tree whose names are known.
-pub(super) fn program(tree: &Tree, names: &Names) -> Result<Program, Vec<TextFault>> {
+pub(super) fn program(tree: &Tree, names: &Names, text: &str) -> Result<Program, Vec<TextFault>> {
     let mut steps = Vec::new();
     emit(tree, names, &mut steps).map_err(|fault| vec![fault])?;
-    Program::new(steps).map_err(|depth| {
+    Program::new(steps, text).map_err(|depth| {
         let reason = format!("the expression needs {depth} intermediate values, at most {STACK} are kept");
         vec![TextFault::new(tree.offset, tree.width, reason, "reorder it, or split it into parameters")]
     })

@@ -69,6 +69,12 @@ fn apply(
         }
         a.or(b)
     };
+    // In an expression of constants alone, as `2 * k_on`, a written number only scales; with variables it may
+    // be a rate constant in SI, as in `0.5 * S`.
+    let factor = |k: usize| match (&arguments[k].kind, found[k]) {
+        (Kind::Number(..), None) if names.variables.is_empty() && found[1 - k].is_some() => PURE,
+        _ => found[k],
+    };
     match operation {
         Operation::Add => alike("this adds", faults),
         Operation::Subtract => alike("this subtracts", faults),
@@ -86,8 +92,8 @@ fn apply(
             pure(0, "the condition of if", faults);
             alike("if chooses between", faults)
         }
-        Operation::Multiply => combine(found[0], found[1], |a, b| a + b),
-        Operation::Divide => combine(found[0], found[1], |a, b| a - b),
+        Operation::Multiply => combine(factor(0), factor(1), |a, b| a + b),
+        Operation::Divide => combine(factor(0), factor(1), |a, b| a - b),
         Operation::Negate | Operation::Abs => found[0],
         Operation::Sqrt => found[0].map(|p| p.map(|k| 0.5 * k)),
         Operation::Step => PURE,

@@ -105,17 +105,19 @@ pub(super) const STACK: usize = 32;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
     steps: Vec<Step>,
+    /// As it was written.
+    text: String,
 }
 
 impl Program {
     /// A program that always gives this value.
     #[must_use]
     pub fn constant_of(value: f64) -> Program {
-        Program { steps: vec![Step::Constant(value)] }
+        Program { steps: vec![Step::Constant(value)], text: value.to_string() }
     }
 
-    /// The program of these steps, or the depth it would need if that is too deep. Folds whatever is constant.
-    pub(super) fn new(steps: Vec<Step>) -> Result<Program, usize> {
+    /// The program of these steps, or the depth it would need if that is too deep.
+    pub(super) fn new(steps: Vec<Step>, text: &str) -> Result<Program, usize> {
         let (mut depth, mut deepest) = (0_usize, 0);
         for step in &steps {
             match step {
@@ -125,7 +127,7 @@ impl Program {
             }
             deepest = deepest.max(depth);
         }
-        if deepest <= STACK { Ok(Program { steps }) } else { Err(deepest) }
+        if deepest <= STACK { Ok(Program { steps, text: text.to_string() }) } else { Err(deepest) }
     }
 
     /// Its value; `variables` holds one value for each variable it was compiled for.
@@ -136,6 +138,12 @@ impl Program {
     pub fn eval(&self, variables: &[f64]) -> f64 {
         let mut stack = [0.0; STACK];
         run(&self.steps, variables, &mut stack)
+    }
+
+    /// The expression as it was written, for messages.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// Indices of the variables it uses, rising, each once.

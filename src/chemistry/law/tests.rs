@@ -108,8 +108,9 @@ fn faults_say_where(#[case] text: &str, #[case] column: u32, #[case] width: u32,
 
 #[test]
 fn excessive_expressions_are_refused() {
-    let deep = format!("{}S{}", "(".repeat(5000), ")".repeat(5000));
-    assert!(compile(&deep, Dimension::CONCENTRATION).unwrap_err()[0].reason.contains("too deep"));
+    let deep = |n: usize| format!("{}S{}", "(".repeat(n), ")".repeat(n));
+    assert!(compile(&deep(5000), Dimension::CONCENTRATION).is_err());
+    assert!(compile(&deep(400), Dimension::CONCENTRATION).unwrap_err()[0].reason.contains("too deep"));
     assert!(compile(&"-".repeat(5000), Dimension::NONE).is_err());
     let right = format!("{}n{}", "n + (".repeat(40), ")".repeat(40));
     assert!(compile(&right, Dimension::NONE).unwrap_err()[0].reason.contains("intermediate"));

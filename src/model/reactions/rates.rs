@@ -46,7 +46,7 @@ impl Rates<'_> {
                 let reason = format!("{what}: a law belongs to one direction");
                 faults.at(&law.place, reason, "write two reactions with ->, each with its own law");
             }
-            return (read_law(law, scope, faults).map(Rate::Law), None);
+            return (read_law(law, what, scope, faults).map(Rate::Law), None);
         }
         let forward = self.rate.and_then(|n| constant(n, what, Some(orders.0), scope, faults));
         let backward = self.reverse.and_then(|n| constant(n, what, Some(orders.1), scope, faults));
@@ -60,7 +60,7 @@ impl Rates<'_> {
             constant(node, what, None, scope, faults);
         }
         if let Some(law) = self.law {
-            read_law(law, scope, faults);
+            read_law(law, what, scope, faults);
         }
     }
 
@@ -177,7 +177,7 @@ fn named(fault: Fault, what: &str) -> Fault {
 }
 
 /// A law: mol/m³/s of concentrations, or 1/s of counts.
-fn read_law(node: &Node, scope: &Scope, faults: &mut Faults) -> Option<Program> {
+fn read_law(node: &Node, what: &str, scope: &Scope, faults: &mut Faults) -> Option<Program> {
     let (variable, expected) = match scope.kinetics {
         Kinetics::Concentration => (Dimension::CONCENTRATION, Dimension::CONCENTRATION_RATE),
         Kinetics::Molecules => (Dimension::NONE, Dimension::RATE),
@@ -190,7 +190,7 @@ fn read_law(node: &Node, scope: &Scope, faults: &mut Faults) -> Option<Program> 
             match expression.and_then(|e| e.compile(&variables, scope.parameters, expected)) {
                 Ok(program) => program,
                 Err(list) => {
-                    list.into_iter().for_each(|fault| faults.push(fault));
+                    list.into_iter().for_each(|fault| faults.push(named(fault, what)));
                     return None;
                 }
             }
@@ -198,7 +198,11 @@ fn read_law(node: &Node, scope: &Scope, faults: &mut Faults) -> Option<Program> 
         _ => Program::constant_of(node.number(faults)?),
     };
     if program.constant().is_some_and(|value| value < 0.0) {
-        faults.at(&node.place, "a law may not be negative", "swap the sides of the equation");
+        faults.at(
+            &node.place,
+            format!("{what}: a law may not be negative"),
+            "swap the sides of the equation",
+        );
         return None;
     }
     Some(program)
