@@ -5,19 +5,46 @@
 mod chemistry_cases;
 use chemistry_cases::*;
 use gillesph::chemistry::Links;
+use gillesph::chemistry::Reactor;
 use gillesph::chemistry::ssa::next_subvolume::Graph;
-use gillesph::chemistry::ssa::{Direct, EventMethod, NextSubvolume};
+use gillesph::chemistry::ssa::{Direct, EventMethod, NextReaction, NextSubvolume};
+use rstest::rstest;
 
 const RUNS: u64 = 10_000;
 const LIMIT: f64 = 4.5;
+
+/// The methods for one volume.
+#[derive(Clone, Copy, Debug)]
+enum Method {
+    Direct,
+    NextReaction,
+}
+
+impl Method {
+    fn start<'a>(
+        self,
+        reactor: &'a Reactor,
+        volume: f64,
+        held: &[bool],
+        amounts: Vec<f64>,
+        key: (u64, u64),
+    ) -> Box<dyn EventMethod + 'a> {
+        match self {
+            Method::Direct => Box::new(Direct::new(reactor, volume, 0, held, amounts, key).unwrap()),
+            Method::NextReaction => {
+                Box::new(NextReaction::new(reactor, volume, 0, held, amounts, key).unwrap())
+            }
+        }
+    }
+}
 
 fn graph<'a>(volumes: &'a [f64], groups: &'a [u8], links: &'a Links) -> Graph<'a> {
     Graph { volumes, home: groups, current: groups, links, held: &[] }
 }
 
 /// A + B <-> C in volume 2, k = 0.05 and 0.5, from 20, 15, 0: moments of C.
-#[test]
-fn abc_equilibrium() {
+#[rstest]
+fn abc_equilibrium(#[values(Method::Direct, Method::NextReaction)] method: Method) {
     let reactor = discrete(
         &[("A", 0.0), ("B", 0.0), ("C", 0.0)],
         &[(&[(0, 1), (1, 1)], &[(2, 1)], 0.05), (&[(2, 1)], &[(0, 1), (1, 1)], 0.5)],
@@ -47,7 +74,7 @@ fn abc_equilibrium() {
     ];
     let mut seen = vec![Vec::new(); exact.len()];
     for run in 0..RUNS {
-        let mut method = Direct::new(&reactor, 2.0 * UNIT, 0, &[], vec![20.0, 15.0, 0.0], (1, run)).unwrap();
+        let mut method = method.start(&reactor, 2.0 * UNIT, &[], vec![20.0, 15.0, 0.0], (1, run));
         for (k, (time, ..)) in exact.iter().enumerate() {
             method.advance(*time).unwrap();
             let n = method.amounts();
@@ -63,8 +90,8 @@ fn abc_equilibrium() {
 }
 
 /// A + B -> 0, k = 0.1, 12 and 10 molecules in volume 1: moments of B, distribution at t = 1.
-#[test]
-fn annihilation() {
+#[rstest]
+fn annihilation(#[values(Method::Direct, Method::NextReaction)] method: Method) {
     let reactor = discrete(&[("A", 0.0), ("B", 0.0)], &[(&[(0, 1), (1, 1)], &[], 0.1)]);
     let exact = [
         (0.25, 7.62737840345104, 1.5072565431836495, 6.540612816599039),
@@ -86,7 +113,7 @@ fn annihilation() {
     ];
     let mut seen = vec![Vec::new(); exact.len()];
     for run in 0..RUNS {
-        let mut method = Direct::new(&reactor, UNIT, 0, &[], vec![12.0, 10.0], (2, run)).unwrap();
+        let mut method = method.start(&reactor, UNIT, &[], vec![12.0, 10.0], (2, run));
         for (k, (time, ..)) in exact.iter().enumerate() {
             method.advance(*time).unwrap();
             seen[k].push(method.amounts()[1]);
@@ -100,8 +127,8 @@ fn annihilation() {
 }
 
 /// 50 receptors, ligand held at 0.33, ka = kb = 0.4: RL ~ Binomial(50, p(t)).
-#[test]
-fn receptor_occupancy_at_held_ligand() {
+#[rstest]
+fn receptor_occupancy_at_held_ligand(#[values(Method::Direct, Method::NextReaction)] method: Method) {
     // 33 ligands in volume 100 with 50 receptors there: k_on is the 0.4 of the reference.
     let reactor = discrete(
         &[("L", 0.0), ("R", 0.0), ("RL", 0.0)],
@@ -112,7 +139,7 @@ fn receptor_occupancy_at_held_ligand() {
     let mut seen = vec![Vec::new(); exact.len()];
     for run in 0..RUNS {
         let start = vec![33.0, 50.0, 0.0];
-        let mut method = Direct::new(&reactor, 100.0 * UNIT, 0, &held, start, (3, run)).unwrap();
+        let mut method = method.start(&reactor, 100.0 * UNIT, &held, start, (3, run));
         for (k, (time, _)) in exact.iter().enumerate() {
             method.advance(*time).unwrap();
             let n = method.amounts();

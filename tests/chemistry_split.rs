@@ -121,7 +121,9 @@ fn held_edges_keep_the_interior_poisson() {
     let (steps, dt) = (12, 0.5);
     let mut expected = SplitState::new(&smooth, start.clone(), 0, 0);
     for k in 0..steps {
-        expected.step(&smooth, &still(&smooth, &links, &vec![UNIT; n], &held), dt * f64::from(k), dt).unwrap();
+        expected
+            .step(&smooth, &still(&smooth, &links, &vec![UNIT; n], &held), dt * f64::from(k), dt)
+            .unwrap();
     }
     for dealt in [false, true] {
         let mut seen = vec![Vec::new(); n];
@@ -261,6 +263,47 @@ fn bounds_name_what_limits() {
     // Λ = 2 D = 4 /s; A is lost at 0.5 * 30 = 15 /s in voxel 2.
     assert!((bounds.hops - 0.125).abs() < 1e-12 && (bounds.reactions - 0.1 / 15.0).abs() < 1e-12);
     assert!(bounds.limited_by().contains("voxel 2") && bounds.step() == bounds.reactions);
+}
+
+/// A run cut in two goes on as if it had not been.
+#[test]
+fn resumed_runs_are_the_same() {
+    let reactor = discrete(&[("A", 1.0)], &[(&[(0, 1)], &[], 0.3), (&[], &[(0, 1)], 2.0)]);
+    let mut held = vec![false; 5];
+    held[0] = true;
+    let frozen = still(&reactor, &line(5, UNIT), &[UNIT; 5], &held);
+    let play = |state: &mut SplitState, period: u64| {
+        state.open_period(29, 3, period);
+        for _ in 0..20 {
+            state.step(&reactor, &frozen, 0.0, 0.1).unwrap();
+        }
+    };
+    let mut whole = SplitState::new(&reactor, vec![0.0; 5], 29, 3);
+    whole.deal_held(&reactor, &[0], 0, &[7.0]);
+    play(&mut whole, 0);
+    let cut = whole.snapshot();
+    play(&mut whole, 1);
+    let mut second = SplitState::resume(&reactor, cut.clone(), 29, 3).unwrap();
+    play(&mut second, 1);
+    assert_eq!(whole.snapshot(), second.snapshot());
+    assert_ne!(whole.snapshot(), cut);
+    let other = discrete(&[("A", 1.0), ("B", 0.0)], &[]);
+    assert!(SplitState::resume(&other, cut, 29, 3).is_none());
+}
+
+/// What the numbers must not do is an error that says where.
+#[test]
+fn impossible_numbers_are_errors() {
+    let reactor = discrete(&[("A", 1.0)], &[(&[(0, 1)], &[], -1.0)]);
+    let frozen = still(&reactor, &line(2, UNIT), &[UNIT; 2], &[]);
+    let mut state = SplitState::new(&reactor, vec![0.0, 3.0], 30, 0);
+    let message = state.react(&reactor, &frozen, 0.0, 0.1).unwrap_err().to_string();
+    assert!(message.contains("voxel 1") && message.contains("A = 3"), "{message}");
+    state.amounts[0] = -1.0;
+    assert!(state.diffuse(&reactor, &frozen, 0.0, 0.1).unwrap_err().to_string().contains("below zero"));
+    let negative = line(2, -UNIT);
+    let built = Frozen::build(&reactor, &negative, &[UNIT; 2], &[0, 0], &[0, 0], &[]);
+    assert!(built.unwrap_err().to_string().contains("conductance"));
 }
 
 /// Time of the pheromone-like load: 1500 voxels of 28 neighbours, 1600 molecules each, 20 realizations of

@@ -8,9 +8,11 @@ mod bounds;
 mod diffuse;
 mod frozen;
 mod react;
+mod snapshot;
 
 pub use bounds::{StepBounds, step_bounds};
 pub use frozen::Frozen;
+pub use snapshot::Snapshot;
 
 use crate::chemistry::diffusion::continuous::Flow;
 use crate::chemistry::diffusion::discrete::Walkers;
@@ -21,7 +23,7 @@ use crate::error::RunError;
 use crate::random::{Purpose, Stream, stream};
 
 /// What happened so far in a realization.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Counters {
     /// Reaction events.
     pub events: u64,
@@ -96,6 +98,9 @@ impl SplitState {
     /// Notes that held amount `slot` emits by `mean` instead of the amount it shows.
     pub(super) fn emit_by(&mut self, slot: usize, mean: f64) {
         if self.held_mean.is_empty() {
+            if mean.is_nan() {
+                return;
+            }
             self.held_mean = vec![f64::NAN; self.amounts.len()];
         }
         self.held_mean[slot] = mean;
