@@ -50,7 +50,7 @@ pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usiz
             .map(|r| ReactionRecord {
                 name: plan.network.reactions[r].name.clone(),
                 equation: plan.network.reactions[r].equation.clone(),
-                propensity: words::propensity(&plan.network, r),
+                propensity: words::propensity_words(&plan.network, &plan.network.reactions[r]),
             })
             .collect(),
         conservation_laws: plan.conservation_laws().into_iter().map(|(words, _)| words).collect(),

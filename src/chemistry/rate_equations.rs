@@ -1,4 +1,3 @@
-<<<<<<< HEAD
 //! The continuous species: reaction rate equations of one voxel, dn_s/dt = Σ_r change_sr v_r(n).
 //!
 //! Explicit Runge–Kutta of Dormand & Prince (1980), order 5 with an embedded order 4 for the step; a step
@@ -201,6 +200,3 @@ mod tests {
         assert!((n[1] - 10.0).abs() < 1e-9 && (supplied[0] - 10.0).abs() < 1e-9);
     }
 }
-=======
-//! 
->>>>>>> input

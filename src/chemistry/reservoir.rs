@@ -5,10 +5,12 @@ use crate::chemistry::sampling_numbers::{binomial, poisson};
 use crate::chemistry::split::{Frozen, SplitState};
 
 impl SplitState {
-    /// Sets held amounts of `species` in `voxels` to `amounts` (molecules); the change is booked.
+    /// Sets held amounts of `species` in `voxels` to `amounts` (molecules), by which they emit from now on;
+    /// the change is booked.
     pub fn hold(&mut self, voxels: &[u32], species: usize, amounts: &[f64]) {
         for (&voxel, &amount) in voxels.iter().zip(amounts) {
             self.put(voxel, species, amount);
+            self.emit_by(voxel as usize * self.supplied.len() + species, f64::NAN);
         }
     }
 

@@ -32,6 +32,15 @@ pub fn binomial<R: Rng>(random: &mut R, n: u64, p: f64) -> u64 {
     binomial_below_half(random, n, p)
 }
 
+/// [`binomial`] where ln(1 - p) is known beforehand.
+#[inline]
+pub fn binomial_of_log<R: Rng>(random: &mut R, n: u64, p: f64, log: f64) -> u64 {
+    if p <= 0.5 && n as f64 * p < INVERSION {
+        return invert_binomial(random, n, p / (1.0 - p), (n as f64 * log).exp());
+    }
+    binomial(random, n, p)
+}
+
 #[inline]
 fn binomial_below_half<R: Rng>(random: &mut R, n: u64, p: f64) -> u64 {
     if n as f64 * p < INVERSION {
@@ -48,6 +57,17 @@ fn binomial_by_rejection<R: Rng>(random: &mut R, n: u64, p: f64) -> u64 {
     Binomial::new(n, p).map_or(0, |b| b.sample(random))
 }
 
+/// 1, 1, 1/2, 1/3, …: divisions would take most of the time of an inversion.
+const RECIPROCAL: [f64; 64] = {
+    let mut table = [1.0; 64];
+    let mut x = 1;
+    while x < 64 {
+        table[x] = 1.0 / x as f64;
+        x += 1;
+    }
+    table
+};
+
 /// Inversion from zero upwards; `odds` = p/(1-p), `none` = (1-p)^n.
 #[inline]
 fn invert_binomial<R: Rng>(random: &mut R, n: u64, odds: f64, none: f64) -> u64 {
@@ -57,11 +77,11 @@ fn invert_binomial<R: Rng>(random: &mut R, n: u64, odds: f64, none: f64) -> u64 
             return 0;
         }
         let mut mass = none;
-        let mut x = 0;
-        while x < n {
+        let mut trials = odds * n as f64; // odds (n - x)
+        for x in 1..=n {
             left -= mass;
-            mass *= odds * (n - x) as f64 / (x + 1) as f64;
-            x += 1;
+            mass *= trials * RECIPROCAL.get(x as usize).copied().unwrap_or_else(|| 1.0 / x as f64);
+            trials -= odds;
             if left < mass {
                 return x;
             }

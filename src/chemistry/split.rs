@@ -1,4 +1,3 @@
-<<<<<<< HEAD
 //! Particle chemistry: reaction and diffusion one after the other, each sampled exactly on frozen voxels.
 //!
 //! A step of length τ is `react τ/2, diffuse τ/2 | move the particles | diffuse τ/2, react τ/2` (Strang
@@ -9,9 +8,11 @@ mod bounds;
 mod diffuse;
 mod frozen;
 mod react;
+mod snapshot;
 
 pub use bounds::{StepBounds, step_bounds};
 pub use frozen::Frozen;
+pub use snapshot::Snapshot;
 
 use crate::chemistry::diffusion::continuous::Flow;
 use crate::chemistry::diffusion::discrete::Walkers;
@@ -22,7 +23,7 @@ use crate::error::RunError;
 use crate::random::{Purpose, Stream, stream};
 
 /// What happened so far in a realization.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Counters {
     /// Reaction events.
     pub events: u64,
@@ -106,6 +107,9 @@ impl SplitState {
     /// Notes that held amount `slot` emits by `mean` instead of the amount it shows.
     pub(super) fn emit_by(&mut self, slot: usize, mean: f64) {
         if self.held_mean.is_empty() {
+            if mean.is_nan() {
+                return;
+            }
             self.held_mean = vec![f64::NAN; self.amounts.len()];
         }
         self.held_mean[slot] = mean;
@@ -119,6 +123,3 @@ impl SplitState {
         }
     }
 }
-=======
-//! 
->>>>>>> input

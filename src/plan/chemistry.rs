@@ -188,7 +188,7 @@ fn may_hold(model: &Model, reactor: &Reactor, g: usize, classes: &[u8], s: usize
 #[must_use]
 pub fn conservation_laws(network: &Network, analysis: &Analysis) -> Vec<(String, Vec<f64>)> {
     analysis
-        .conservation_laws
+        .conservation
         .iter()
         .map(|law| {
             let coefficients: Vec<f64> = law.iter().map(|&c| c as f64).collect();
@@ -219,7 +219,7 @@ pub fn conservation_laws(network: &Network, analysis: &Analysis) -> Vec<(String,
 #[must_use]
 pub fn receptor_pairs(network: &Network, analysis: &Analysis) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
-    for law in &analysis.conservation_laws {
+    for law in &analysis.conservation {
         let members: Vec<usize> = (0..law.len()).filter(|&s| law[s] != 0).collect();
         let [a, b] = members[..] else { continue };
         if law[a] != law[b] || network.species[a].diffusion > 0.0 || network.species[b].diffusion > 0.0 {

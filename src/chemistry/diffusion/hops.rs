@@ -1,16 +1,10 @@
 //! The jump chain of a frozen geometry: where a molecule goes when it makes a virtual jump.
 
+use super::alias::{AliasWorker, Column, draw};
 use crate::chemistry::links::Links;
+use crate::chemistry::sampling_numbers::binomial_of_log;
 use crate::error::RunError;
 use rand::Rng;
-
-/// One column of an alias table (Walker 1977; Vose 1991): `own` below the cut, `other` above.
-#[derive(Clone, Copy, Debug)]
-struct Column {
-    cut: u64,
-    own: u32,
-    other: u32,
-}
 
 /// The chain P = 1 + Q / Λ on the voxels, for every diffusivity at once (Q and Λ both scale with it).
 #[derive(Clone, Debug)]
@@ -24,6 +18,8 @@ pub struct HopTable {
     probability: Vec<f64>,
     /// Probability of an entry given that no earlier entry of its row was taken.
     conditional: Vec<f64>,
+    /// ln(1 - conditional), which a binomial by inversion starts from.
+    log_passed: Vec<f64>,
     columns: Vec<Column>,
 }
 
@@ -49,6 +45,7 @@ impl HopTable {
             target: Vec::with_capacity(links.neighbour.len() + voxels),
             probability: Vec::with_capacity(links.neighbour.len() + voxels),
             conditional: Vec::new(),
+            log_passed: Vec::new(),
             columns: Vec::new(),
         };
         for (i, &volume) in volumes.iter().enumerate() {
@@ -129,8 +126,8 @@ impl HopTable {
     #[inline]
     pub fn scatter<R: Rng>(&self, i: usize, count: u64, next: &mut [u64], random: &mut R) {
         let range = self.range(i);
-        // One draw per molecule costs about a fifteenth of one binomial of a chain.
-        if count <= 16 * range.len() as u64 {
+        // One draw per molecule costs about a thirtieth of one binomial of a chain.
+        if count <= 32 * range.len() as u64 {
             let columns = &self.columns[range];
             for _ in 0..count {
                 next[draw(columns, random)] += 1;
@@ -138,8 +135,9 @@ impl HopTable {
             return;
         }
         let mut left = count;
-        for (&j, &p) in self.target[range.clone()].iter().zip(&self.conditional[range]) {
-            let taken = crate::chemistry::sampling_numbers::binomial(random, left, p);
+        let chances = self.conditional[range.clone()].iter().zip(&self.log_passed[range.clone()]);
+        for (&j, (&p, &log)) in self.target[range].iter().zip(chances) {
+            let taken = binomial_of_log(random, left, p, log);
             next[j as usize] += taken;
             left -= taken;
             if left == 0 {
@@ -177,52 +175,8 @@ impl HopTable {
             tail += p;
             *c = p / tail;
         }
+        self.log_passed.extend(self.conditional[range.clone()].iter().map(|c| (-c).ln_1p()));
         worker.append(&self.target[range], probability, tail, &mut self.columns);
-    }
-}
-
-/// The column from the high word of a product, the cut from its low word: one 64-bit number per draw.
-#[inline]
-fn draw<R: Rng>(columns: &[Column], random: &mut R) -> usize {
-    let wide = u128::from(random.next_u64()) * columns.len() as u128;
-    let column = columns[(wide >> 64) as usize];
-    (if (wide as u64) < column.cut { column.own } else { column.other }) as usize
-}
-
-/// Work space for Vose's construction.
-#[derive(Default)]
-struct AliasWorker {
-    share: Vec<f64>,
-    small: Vec<u32>,
-    large: Vec<u32>,
-}
-
-impl AliasWorker {
-    /// Appends the columns of one row, `total` = Σ `probability`.
-    fn append(&mut self, target: &[u32], probability: &[f64], total: f64, columns: &mut Vec<Column>) {
-        let first = columns.len();
-        let scale = target.len() as f64 / total;
-        self.share.clear();
-        self.small.clear();
-        self.large.clear();
-        for (k, &p) in probability.iter().enumerate() {
-            self.share.push(p * scale);
-            let list = if p * scale < 1.0 { &mut self.small } else { &mut self.large };
-            list.push(k as u32);
-        }
-        columns.extend(target.iter().map(|&own| Column { cut: u64::MAX, own, other: own }));
-        while let (Some(&s), Some(&l)) = (self.small.last(), self.large.last()) {
-            self.small.pop();
-            let share = self.share[s as usize];
-            let column = &mut columns[first + s as usize];
-            column.cut = (share * 18_446_744_073_709_551_616.0) as u64; // 2^64
-            column.other = target[l as usize];
-            self.share[l as usize] -= 1.0 - share;
-            if self.share[l as usize] < 1.0 {
-                self.large.pop();
-                self.small.push(l);
-            }
-        }
     }
 }
 

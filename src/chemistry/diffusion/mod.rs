@@ -4,6 +4,7 @@
 //! it makes K ~ Poisson(Λ τ) virtual jumps of the chain P = 1 + Q / Λ, Λ ≥ max_i Σ_j D G_ij / V_i, where a
 //! jump may lead back to where it started. P does not depend on D, so species of equal habitat share it.
 
+mod alias;
 pub mod continuous;
 pub mod discrete;
 pub mod hops;

@@ -33,7 +33,7 @@ impl SplitState {
                 .skip(s)
                 .step_by(species)
                 .enumerate()
-                .find(|&(_, &n)| !(n >= 0.0 && n < f64::INFINITY))
+                .find(|&(_, &n)| !(0.0..f64::INFINITY).contains(&n))
             {
                 let (species, event) =
                     (reactor.species[s].clone(), String::from("the start of a diffusion step"));

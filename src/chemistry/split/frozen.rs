@@ -36,6 +36,7 @@ pub struct Frozen {
 impl Frozen {
     /// Freezes a geometry: `volumes` m³, `home` and `current` group of each voxel, `held` one flag per
     /// amount (voxel by voxel; empty if nothing is held). Species of equal habitat share one hop table.
+    /// The result belongs to this `reactor`, whose reactions it sorts into sampled and integrated ones.
     ///
     /// # Errors
     /// Conductances that are negative or not finite, volumes that are not positive, lengths that differ.

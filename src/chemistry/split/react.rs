@@ -95,7 +95,7 @@ impl Cell<'_> {
         let mut total = 0.0;
         for &r in voxel.reactions {
             let a = reactor.propensities.propensity_at(r as usize, self.amounts, voxel.scale);
-            if !(a >= 0.0 && a < f64::INFINITY) {
+            if !(0.0..f64::INFINITY).contains(&a) {
                 return Err(reactor.bad_propensity(r as usize, a, time, voxel.index, self.amounts));
             }
             self.propensities.push(a);

@@ -39,7 +39,7 @@ impl<'a> Cells<'a> {
     pub fn propensity(&self, r: usize, voxel: usize, time: f64) -> Result<f64, RunError> {
         let row = &self.amounts[voxel * self.species..(voxel + 1) * self.species];
         let a = self.reactor.propensities.propensity_at(r, row, self.scales[voxel]);
-        if a >= 0.0 && a < f64::INFINITY {
+        if (0.0..f64::INFINITY).contains(&a) {
             Ok(a)
         } else {
             Err(self.reactor.bad_propensity(r, a, time, voxel, row))

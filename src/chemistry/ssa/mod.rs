@@ -6,10 +6,12 @@
 pub mod direct;
 pub mod events;
 pub mod heap;
+pub mod next_reaction;
 pub mod next_subvolume;
 
 pub use crate::chemistry::split::Counters;
 pub use direct::Direct;
+pub use next_reaction::NextReaction;
 pub use next_subvolume::NextSubvolume;
 
 use crate::error::RunError;
