@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use gillesph::fluid::{Body, BodyKind, Domain, Flow, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge};
+use gillesph::fluid::{
+    Body, BodyKind, Domain, Flow, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge,
+};
 use gillesph::vector::Vector;
 
 type V = Vector<2>;

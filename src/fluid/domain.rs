@@ -89,8 +89,11 @@ mod tests {
 
     #[test]
     fn separation_takes_the_short_way_and_wrap_stays_inside() {
-        let domain =
-            Domain { min: Vector::<2>::new(-1.0, 0.0), max: Vector::<2>::new(3.0, 1.0), periodic: [true, false] };
+        let domain = Domain {
+            min: Vector::<2>::new(-1.0, 0.0),
+            max: Vector::<2>::new(3.0, 1.0),
+            periodic: [true, false],
+        };
         let (a, b) = (Vector::<2>::new(2.9, 0.2), Vector::<2>::new(-0.9, 0.9));
         let x = domain.separation(&a, &b);
         // Rounding of the subtraction only.

@@ -113,13 +113,14 @@ fn solve<const D: usize>(mut matrix: [[f64; D]; D], right: &Vector<D>) -> Option
     for k in 0..D {
         // Diagonal pivots suffice: the matrix is symmetric and not indefinite. (Not a number fails here too.)
         let pivot = matrix[k][k];
-        if !(pivot > LEAST_SPREAD) {
+        if pivot.is_nan() || pivot <= LEAST_SPREAD {
             return None;
         }
+        let upper = matrix[k];
         for row in k + 1..D {
             let factor = matrix[row][k] / pivot;
-            for column in k..D {
-                matrix[row][column] -= factor * matrix[k][column];
+            for (entry, above) in matrix[row].iter_mut().zip(&upper).skip(k) {
+                *entry -= factor * above;
             }
             x[row] -= factor * x[k];
         }
@@ -141,8 +142,7 @@ mod tests {
 
     fn linear_fields_are_exact_in<const D: usize>(count: usize) {
         let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(3);
-        let domain =
-            Domain { min: Vector::zeros(), max: Vector::from_element(1.0), periodic: [false; D] };
+        let domain = Domain { min: Vector::zeros(), max: Vector::from_element(1.0), periodic: [false; D] };
         let mut point = || Vector::<D>::from_fn(|_, _| random.random::<f64>());
         let positions: Vec<_> = (0..count).map(|_| point()).collect();
         let points: Vec<_> = (0..50).map(|_| point()).collect();
@@ -150,7 +150,8 @@ mod tests {
         let carriers =
             Carriers { positions: &positions, volumes: &volumes, mask: &vec![true; count], domain: &domain };
         let interpolator = Interpolator::new(&points, &carriers, &Kernel::new(KernelKind::Lucy, 0.4));
-        let field = |x: &Vector<D>| 2.0 + x.iter().enumerate().map(|(k, x)| (k as f64 - 0.7) * x).sum::<f64>();
+        let field =
+            |x: &Vector<D>| 2.0 + x.iter().enumerate().map(|(k, x)| (k as f64 - 0.7) * x).sum::<f64>();
         for (k, point) in points.iter().enumerate() {
             // Rounding, worsened by at most 1/LEAST_SPREAD.
             assert!((interpolator.apply(k, |j| field(&positions[j])) - field(point)).abs() < 1e-12);
@@ -169,12 +170,8 @@ mod tests {
         let domain =
             Domain { min: Vector::<2>::zeros(), max: Vector::<2>::new(1.0, 1.0), periodic: [false; 2] };
         let positions: Vec<_> = (0..20).map(|i| Vector::<2>::new(0.05 * f64::from(i), 0.5)).collect();
-        let carriers = Carriers {
-            positions: &positions,
-            volumes: &[0.05; 20],
-            mask: &[true; 20],
-            domain: &domain,
-        };
+        let carriers =
+            Carriers { positions: &positions, volumes: &[0.05; 20], mask: &[true; 20], domain: &domain };
         let points = [Vector::<2>::new(0.5, 0.55), Vector::<2>::new(0.5, 0.95)];
         let interpolator = Interpolator::new(&points, &carriers, &Kernel::new(KernelKind::Wendland, 0.2));
         // Weights sum to one to rounding.

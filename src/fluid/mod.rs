@@ -6,7 +6,8 @@
 //! | [`kernel`], [`domain`], [`neighbours`] | W and its gradient; the box; who is near whom |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
 //! | [`particles`], [`pass`], [`terms`] | state; the sweeps over pairs; one equation each |
-//! | [`wall`], [`integrate`] | walls and what they do to particles; one time step, the step limit |
+//! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
+//! | [`wall`], `sponge` | walls and pumps and what they do to particles |
 //! | [`observe`] | snapshots and health of a flow |
 //! | [`exchange`], [`interpolate`] | conductances for the chemistry; fields at points |
 //!
@@ -14,23 +15,27 @@
 
 pub mod domain;
 pub mod exchange;
+pub mod flow;
 pub mod integrate;
 pub mod interpolate;
 pub mod kernel;
+pub mod limit;
 pub mod motion;
 pub mod neighbours;
 pub mod observe;
 pub mod particles;
 pub mod pass;
 pub mod setup;
+mod sponge;
 pub mod terms;
 pub mod wall;
 
 pub use domain::Domain;
 pub use exchange::{Barrier, Voxels};
-pub use integrate::{Flow, StepLimit};
+pub use flow::Flow;
 pub use interpolate::Interpolator;
 pub use kernel::{Kernel, KernelKind};
+pub use limit::StepLimit;
 pub use motion::Motion;
 pub use neighbours::Grid;
 pub use observe::{FlowHealth, Snapshot};

@@ -1,6 +1,6 @@
 //! What can be seen of a flow: a snapshot of the particles, and whether the numbers are sound.
 
-use crate::fluid::integrate::Flow;
+use crate::fluid::flow::Flow;
 use crate::fluid::setup::BodyKind;
 use crate::vector::Vector;
 
@@ -79,10 +79,14 @@ impl<const D: usize> Flow<D> {
         let change = self.tally.largest_density_change;
         let mut warnings = Vec::new();
         if self.tally.penetrations > 0 {
-            warnings.push(format!("{} times a fluid particle ended a step inside a solid", self.tally.penetrations));
+            warnings.push(format!(
+                "{} times a fluid particle ended a step inside a solid",
+                self.tally.penetrations
+            ));
         }
         if mach > 0.2 {
-            warnings.push(format!("largest Mach number {mach:.2}: raise the sound speed or the reference speed"));
+            warnings
+                .push(format!("largest Mach number {mach:.2}: raise the sound speed or the reference speed"));
         }
         if change > 0.05 {
             warnings.push(format!(

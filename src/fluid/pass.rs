@@ -174,3 +174,121 @@ pub fn sweep_forces<const D: usize>(
         *rates = sum;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fluid::kernel::KernelKind;
+    use crate::fluid::particles::Material;
+    use rand::{Rng, SeedableRng};
+
+    type V = Vector<3>;
+
+    /// Two fluid particles of any state and the pair seen from both.
+    fn pairs() -> Vec<(Side<3>, Side<3>, Pair<3>)> {
+        let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(29);
+        let kernel = Kernel::<3>::new(KernelKind::Lucy, 1.0);
+        (0..50)
+            .map(|_| {
+                let mut any = || random.random::<f64>();
+                let mut vector = || V::from_fn(|_, _| 0.8 * any() - 0.4);
+                let (x, a, b, c, d) = (vector(), vector(), vector(), vector(), vector());
+                let mut side = |velocity, drift| Side {
+                    velocity,
+                    drift,
+                    density: 0.5 + any(),
+                    pressure: any() - 0.5,
+                    volume: 0.1 + any(),
+                    viscosity: 0.1 + any(),
+                    material: Material::Fluid,
+                    body: 0,
+                };
+                let f = kernel.f(x.norm());
+                (side(a, b), side(c, d), Pair { x, f, f_shift: f })
+            })
+            .collect()
+    }
+
+    /// Force of one term on i (times V_i) plus that on j (times V_j), relative to their size.
+    fn residue(term: impl Fn(&Pair<3>, &Side<3>, &Side<3>, &mut Rates<3>)) -> f64 {
+        let mut worst = 0.0_f64;
+        for (i, j, pair) in pairs() {
+            let back = Pair { x: -pair.x, ..pair };
+            let (mut on_i, mut on_j) = (Rates::default(), Rates::default());
+            term(&pair, &i, &j, &mut on_i);
+            term(&back, &j, &i, &mut on_j);
+            let (a, b) = (on_i.force * i.volume, on_j.force * j.volume);
+            if a.norm() > 0.0 {
+                worst = worst.max((a + b).norm() / a.norm());
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn every_force_is_antisymmetric() {
+        // Rounding of a dozen operations.
+        assert!(residue(|p, i, j, out| Pressure.pair(p, i, j, out)) < 1e-14);
+        assert!(residue(|p, i, j, out| Viscosity.pair(p, i, j, out)) < 1e-14);
+        assert!(residue(|p, i, j, out| TransportStress.pair(p, i, j, out)) < 1e-13);
+    }
+
+    #[test]
+    fn density_diffusion_keeps_the_mass_sum_and_stays_in_its_material() {
+        let diffusion = DensityDiffusion { strength: 0.3 };
+        for (i, mut j, pair) in pairs() {
+            let back = Pair { x: -pair.x, ..pair };
+            let (mut to_i, mut to_j) = (0.0, 0.0);
+            diffusion.pair(&pair, &i, &j, &mut to_i);
+            diffusion.pair(&back, &j, &i, &mut to_j);
+            // Rounding of four products.
+            assert!((to_i * i.volume + to_j * j.volume).abs() <= 1e-15 * to_i.abs());
+            j.body = 1;
+            let before = to_i;
+            diffusion.pair(&pair, &i, &j, &mut to_i);
+            assert_eq!(to_i, before);
+        }
+    }
+
+    #[test]
+    fn a_free_slip_solid_has_no_friction_and_a_no_slip_one_that_of_the_fluid() {
+        for (i, mut j, pair) in pairs() {
+            let (mut free, mut stuck) = (Rates::default(), Rates::default());
+            j.material = Material::FreeSlip;
+            Viscosity.pair(&pair, &i, &j, &mut free);
+            assert_eq!(free.force, V::zeros());
+            j.material = Material::NoSlip;
+            Viscosity.pair(&pair, &i, &j, &mut stuck);
+            let expected = (j.velocity - i.velocity) * (2.0 * j.volume * i.viscosity * pair.f);
+            // The same products in another order.
+            assert!((stuck.force - expected).norm() <= 1e-15 * expected.norm());
+        }
+    }
+
+    #[test]
+    fn expansion_lowers_the_density_at_the_rate_of_its_divergence() {
+        // v = x on a cubic lattice: d rho/dt = -rho div v = -3 rho, up to the lattice sum of Lucy at h = 3.
+        let kernel = Kernel::<3>::new(KernelKind::Lucy, 3.0);
+        let side = |velocity| Side {
+            velocity,
+            drift: V::zeros(),
+            density: 2.0,
+            pressure: 0.0,
+            volume: 1.0,
+            viscosity: 1.0,
+            material: Material::Fluid,
+            body: 0,
+        };
+        let centre = side(V::zeros());
+        let mut rate = 0.0;
+        for index in 0..343 {
+            let place = V::new(f64::from(index % 7), f64::from(index / 7 % 7), f64::from(index / 49))
+                - V::from_element(3.0);
+            if place != V::zeros() {
+                let f = kernel.f(place.norm());
+                Continuity.pair(&Pair { x: -place, f, f_shift: f }, &centre, &side(place), &mut rate);
+            }
+        }
+        assert!((rate / -6.0 - 1.0).abs() < 0.01, "{rate}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::error::RunError;
 use crate::fluid::domain::Domain;
 use crate::fluid::kernel::KernelKind;
 use crate::fluid::motion::Motion;
@@ -152,11 +153,76 @@ impl<const D: usize> Setup<D> {
     pub fn automatic_sound_speed(&self) -> f64 {
         let (rho, _) = self.lightest_and_stickiest();
         let lengths = self.domain.lengths();
-        let weight: f64 = (0..D)
-            .filter(|&k| !self.domain.periodic[k])
-            .map(|k| self.body_force[k].abs() * lengths[k])
-            .sum();
+        let weight: f64 =
+            (0..D).filter(|&k| !self.domain.periodic[k]).map(|k| self.body_force[k].abs() * lengths[k]).sum();
         let kinetic = (10.0 * self.reference_speed).powi(2);
         kinetic.max(100.0 * self.expected_pressure() / rho).max(100.0 * weight).sqrt()
+    }
+
+    /// Refuses a setup that cannot run.
+    ///
+    /// # Errors
+    /// [`RunError::BlowUp`] at step 0 with the first value that is impossible.
+    pub fn check(&self) -> Result<(), RunError> {
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        let scales = [
+            ("cut-off (m)", self.cutoff),
+            ("spacing (m)", self.spacing),
+            ("reference speed (m/s)", self.reference_speed),
+            ("reference length (m)", self.reference_length),
+            ("sound speed (m/s)", self.sound_speed.unwrap_or(1.0)),
+        ];
+        for (name, value) in scales {
+            if !positive(value) {
+                return Err(refuse(0, name, value, "it must be a positive number"));
+            }
+        }
+        let lengths = self.domain.lengths();
+        let least = 2.0 * self.cutoff * (1.0 + self.options.skin);
+        for k in 0..D {
+            if !positive(lengths[k]) || (self.domain.periodic[k] && lengths[k] < least) {
+                let remedy =
+                    format!("a periodic box must be at least {least:.3e} m long: two cut-offs with skin");
+                return Err(refuse(0, "length of the box (m)", lengths[k], &remedy));
+            }
+        }
+        for body in &self.bodies {
+            if let BodyKind::Fluid { density, viscosity } = body.kind
+                && !(positive(density) && viscosity.is_finite() && viscosity >= 0.0)
+            {
+                return Err(refuse(
+                    0,
+                    "density (kg/m^3) of a fluid",
+                    density,
+                    "density and viscosity must be positive",
+                ));
+            }
+        }
+        for (i, placed) in self.particles.iter().enumerate() {
+            if placed.body as usize >= self.bodies.len() {
+                return Err(refuse(i, "body", f64::from(placed.body), "no such body in the setup"));
+            }
+            if !positive(placed.volume) || !placed.position.iter().all(|x| x.is_finite()) {
+                return Err(refuse(
+                    i,
+                    "volume (m^D)",
+                    placed.volume,
+                    "place and volume must be finite numbers",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A refusal of the setup as a fault of step 0.
+fn refuse(particle: usize, quantity: &str, value: f64, remedy: &str) -> RunError {
+    RunError::BlowUp {
+        step: 0,
+        time: 0.0,
+        particle,
+        quantity: quantity.to_owned(),
+        value,
+        remedy: remedy.to_owned(),
     }
 }

@@ -201,3 +201,51 @@ pub fn carry<const D: usize>(
         side.velocity = motion.velocity(position, t);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fluid::motion::Motion;
+    use crate::fluid::setup::Slip;
+    use std::sync::Arc;
+
+    type V = Vector<2>;
+
+    fn disc(centre: V, motion: Motion<2>) -> Body<2> {
+        let surface: Arc<dyn Fn(&V) -> f64 + Send + Sync> = Arc::new(move |x| (x - centre).norm() - 1.0);
+        Body {
+            name: "disc".to_owned(),
+            kind: BodyKind::Solid { slip: Slip::NoSlip, motion, surface: Some(surface) },
+        }
+    }
+
+    #[test]
+    fn a_place_inside_solids_or_beyond_the_box_is_mirrored_out() {
+        let domain = Domain { min: V::new(-5.0, -5.0), max: V::new(5.0, 5.0), periodic: [true, false] };
+        // Two discs that overlap, the second having moved to x = 1.5; one across the wrap.
+        let bodies = [
+            disc(V::zeros(), Motion::Still),
+            disc(V::new(0.5, 0.0), Motion::Translating { velocity: V::new(0.5, 0.0) }),
+        ];
+        let obstacles = Obstacles {
+            bodies: &bodies,
+            domain: &domain,
+            time: 2.0,
+            dt: 0.1,
+            surface_fraction: 0.49,
+            spacing: 0.2,
+        };
+        for start in [V::new(0.0, 0.9), V::new(0.75, 0.01), V::new(2.3, -0.2), V::new(-0.99, 0.0)] {
+            let (mut place, mut inside) = (start, false);
+            assert!(obstacles.push_out(&mut place, &mut inside) && !inside);
+            assert!(place.norm() >= 1.0 && (place - V::new(1.5, 0.0)).norm() >= 1.0, "{place}");
+        }
+        let mut shallow = V::new(0.0, 0.9);
+        assert!(obstacles.push_out(&mut shallow, &mut false));
+        // Mirrored: as far outside as it was inside, plus a millionth of the spacing.
+        assert!((shallow - V::new(0.0, 1.1)).norm() < 1e-6);
+        let mut beyond = V::new(7.0, 5.25);
+        assert!(obstacles.keep_in_box(&mut beyond));
+        assert_eq!(beyond, V::new(7.0, 4.75));
+    }
+}

@@ -1,0 +1,195 @@
+//! The flow as a whole: its state, and how it is built.
+
+use crate::error::RunError;
+use crate::fluid::domain::{Domain, Shortest};
+use crate::fluid::kernel::Kernel;
+use crate::fluid::neighbours::Block;
+use crate::fluid::particles::{Material, Own, Side};
+use crate::fluid::pass::{Rates, Terms};
+use crate::fluid::setup::{Body, BodyKind, Setup, Slip, Sponge};
+use crate::fluid::terms::{Continuity, DensityDiffusion, Pressure, Shift, TransportStress, Viscosity};
+use crate::fluid::wall::Mirror;
+use crate::vector::Vector;
+
+/// A flow in progress.
+pub struct Flow<const D: usize> {
+    pub(super) domain: Domain<D>,
+    pub(super) bodies: Vec<Body<D>>,
+    pub(super) positions: Vec<Vector<D>>,
+    pub(super) sides: Vec<Side<D>>,
+    pub(super) own: Vec<Own<D>>,
+    pub(super) sound_speed: f64,
+    pub(super) tally: Tally,
+    pub(super) kernel: Kernel<D>,
+    pub(super) shortest: Shortest<D>,
+    pub(super) terms: Terms<D>,
+    pub(super) sponges: Vec<Sponge<D>>,
+    pub(super) setup: Scales<D>,
+    pub(super) blocks: Vec<Block<D>>,
+    pub(super) rates: Vec<Rates<D>>,
+    pub(super) mirrors: Vec<Mirror<D>>,
+    pub(super) solids: Vec<u32>,
+    /// Bound on how far any particle moved since the lists were built, m.
+    pub(super) travel: f64,
+    pub(super) time: f64,
+    pub(super) steps: u64,
+}
+
+/// What the steps need of the setup.
+pub(super) struct Scales<const D: usize> {
+    pub spacing: f64,
+    pub skin: f64,
+    pub gravity: Vector<D>,
+    pub reference_speed: f64,
+    pub courant: f64,
+    pub shift: f64,
+    pub surface_fraction: f64,
+    pub drift_correction: u64,
+}
+
+/// What is counted over the steps.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    pub penetrations: u64,
+    pub bounces: u64,
+    pub largest_speed: f64,
+    pub largest_density_change: f64,
+    pub particle_steps: u64,
+    pub pair_evaluations: u64,
+    pub rebuilds: u64,
+}
+
+impl<const D: usize> Flow<D> {
+    /// Builds a flow at rest (or at its initial velocity) and sums its first forces.
+    ///
+    /// # Errors
+    /// [`RunError::BlowUp`] at step 0 where the setup cannot run: a box shorter than two cut-offs on a periodic
+    /// axis, a body without description, a place, volume, density or scale that is no positive number.
+    pub fn new(setup: Setup<D>) -> Result<Flow<D>, RunError> {
+        setup.check()?;
+        let sound_speed = setup.sound_speed.unwrap_or_else(|| setup.automatic_sound_speed());
+        let (h, shift) = (setup.cutoff, setup.shift());
+        let options = &setup.options;
+        let courant = options.courant.unwrap_or(if shift > 5.0 { 1.0 / shift } else { 0.2 });
+        let lightest = setup.bodies.iter().fold(f64::INFINITY, |rho, body| match body.kind {
+            BodyKind::Fluid { density, .. } => density.min(rho),
+            BodyKind::Solid { .. } => rho,
+        });
+        let terms = Terms {
+            continuity: Continuity,
+            density_diffusion: None,
+            pressure: Pressure,
+            viscosity: Viscosity,
+            transport_stress: (shift > 0.0).then_some(TransportStress),
+            shift: (shift > 0.0).then_some(Shift::new(shift, h, setup.reference_speed)),
+        };
+        let (mut positions, mut sides, mut own) = (Vec::new(), Vec::new(), Vec::new());
+        for (id, placed) in setup.particles.iter().enumerate() {
+            let (material, density, viscosity) = match &setup.bodies[placed.body as usize].kind {
+                BodyKind::Fluid { density, viscosity } => (Material::Fluid, *density, *viscosity),
+                BodyKind::Solid { slip: Slip::NoSlip, .. } => (Material::NoSlip, lightest, 0.0),
+                BodyKind::Solid { slip: Slip::FreeSlip, .. } => (Material::FreeSlip, lightest, 0.0),
+            };
+            let fluid = material == Material::Fluid;
+            positions.push(placed.position);
+            sides.push(Side {
+                velocity: if fluid { setup.initial_velocity } else { Vector::zeros() },
+                drift: Vector::zeros(),
+                density,
+                pressure: 0.0,
+                volume: placed.volume,
+                viscosity,
+                material,
+                body: placed.body,
+            });
+            own.push(Own {
+                id: id as u32,
+                mass: density * placed.volume,
+                rest_density: density,
+                start: placed.position,
+                acceleration: Vector::zeros(),
+                fraction: if fluid { 0.0 } else { 1.0 },
+            });
+        }
+        let n = positions.len();
+        let given_speed = setup.sound_speed;
+        let delta = options.delta;
+        let mut flow = Flow {
+            shortest: setup.domain.shortest(),
+            kernel: Kernel::new(setup.kernel, h),
+            setup: Scales {
+                spacing: setup.spacing,
+                skin: options.skin * h,
+                gravity: setup.body_force,
+                reference_speed: setup.reference_speed,
+                courant,
+                shift,
+                surface_fraction: options.surface_fraction,
+                drift_correction: options.drift_correction,
+            },
+            domain: setup.domain,
+            bodies: setup.bodies,
+            sponges: setup.sponges,
+            positions,
+            sides,
+            own,
+            sound_speed,
+            tally: Tally::default(),
+            terms,
+            blocks: Vec::new(),
+            rates: vec![Rates::default(); n],
+            mirrors: vec![Mirror { velocity: Vector::zeros(), pressure: 0.0 }; n],
+            solids: Vec::new(),
+            travel: 0.0,
+            time: 0.0,
+            steps: 0,
+        };
+        flow.carry_solids();
+        flow.rebuild();
+        flow.densities();
+        if given_speed.is_none() {
+            flow.sound_speed = flow.stiffen();
+        }
+        if delta > 0.0 {
+            let (c, u) = (flow.sound_speed, flow.setup.reference_speed);
+            flow.terms.density_diffusion = Some(DensityDiffusion::new(delta, h, c, u));
+        }
+        flow.mirrors();
+        flow.forces(0.0);
+        flow.finish(0.0);
+        flow.tally = Tally::default();
+        Ok(flow)
+    }
+
+    /// Gives every fluid particle the velocity (m/s) `velocity` has at its place (m), and sums the forces anew.
+    pub fn set_velocity(&mut self, velocity: impl Fn(&Vector<D>) -> Vector<D>) {
+        for (position, side) in self.positions.iter().zip(&mut self.sides) {
+            if !side.is_solid() {
+                side.velocity = velocity(&self.domain.wrap(position));
+            }
+        }
+        self.carry_solids();
+        self.densities();
+        self.mirrors();
+        self.forces(0.0);
+        self.finish(0.0);
+    }
+
+    /// Time, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Steps taken.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// c0, m/s.
+    #[must_use]
+    pub fn sound_speed(&self) -> f64 {
+        self.sound_speed
+    }
+}
