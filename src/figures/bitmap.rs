@@ -54,8 +54,6 @@ fn paint(area: &Sheet<'_>, mark: &Mark) -> Result<(), String> {
         }
         Mark::Rectangle { corner: [x, y], size: [w, h], colour } => {
             let (from, to) = (pixel([*x, *y]), pixel([x + w, y + h]));
-            // Pixels of both corners are painted; the last column belongs to the neighbour.
-            let to = (to.0.max(from.0 + 1) - 1, to.1.max(from.1 + 1) - 1);
             area.draw(&Rectangle::new([from, to], colour_of(*colour).filled())).map_err(|e| e.to_string())
         }
         Mark::Circle { centre, radius, colour } => {
@@ -73,8 +71,11 @@ fn paint(area: &Sheet<'_>, mark: &Mark) -> Result<(), String> {
             let font = (FONT, size * PIXELS * 1.164).into_font();
             let font = if *turned { font.transform(FontTransform::Rotate270) } else { font };
             let colour = colour_of(*colour);
+            // The box of a line of text reaches from ascent to descent; its middle lies above that of capitals.
+            let shift = 0.13 * size;
+            let at = if *turned { [at[0] + shift, at[1]] } else { [at[0], at[1] + shift] };
             let style = TextStyle::from(font).color(&colour).pos(Pos::new(h_pos, VPos::Center));
-            area.draw(&Text::new(text.as_str(), pixel(*at), style)).map_err(|e| e.to_string())
+            area.draw(&Text::new(text.as_str(), pixel(at), style)).map_err(|e| e.to_string())
         }
     }
 }

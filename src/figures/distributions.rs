@@ -98,6 +98,7 @@ fn panel(d: &mut super::Drawing, sample: &Sample, frame: [f64; 4]) {
         high,
         scale: Scale::plain(unit),
         label: label.into(),
+        step: None,
     };
     let p = Panel {
         left: frame[0],

@@ -1,7 +1,7 @@
 //! Fields on particles: concentration of each mobile species, speed, pressure.
 
 use super::colours::{BLACK, Colour, PALE, WHITE, diverging, viridis};
-use super::drawing::{Anchor, HAIR, LABEL};
+use super::drawing::{Anchor, HAIR, LABEL, text_width};
 use super::panel::{Axis, Panel, range};
 use super::units::{Scale, show, ticks};
 use super::{Drawing, Figure, Samples, WIDTH, slug, spread};
@@ -70,11 +70,18 @@ pub fn flow(samples: &Samples) -> Vec<Figure> {
     let Some(frame) = samples.frames.last().filter(|_| samples.record.domain.dimensions > 1) else {
         return out;
     };
+    let fluid = |i: usize| {
+        let name = frame.group_name(i);
+        samples.record.domain.groups.iter().any(|g| g.name == name && g.material == "fluid")
+    };
     let speed: Vec<f64> =
         frame.velocity.iter().map(|v| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()).collect();
     let fastest = range(speed.iter().copied()).1;
     if speed.iter().any(|v| *v > 0.0) {
-        let field = [Field { frame, values: speed }];
+        // What rests and is not fluid is ground, not slow flow.
+        let ground = |i: usize| speed[i] == 0.0 && !fluid(i);
+        let values = (0..frame.len()).map(|i| if ground(i) { f64::NAN } else { speed[i] }).collect();
+        let field = [Field { frame, values }];
         let bar = Bar { low: 0.0, high: fastest, unit: "m/s", label: "speed", colour: viridis };
         out.push(Figure {
             name: "velocity".into(),
@@ -87,10 +94,6 @@ pub fn flow(samples: &Samples) -> Vec<Figure> {
             raster: true,
         });
     }
-    let fluid = |i: usize| {
-        let name = frame.group_name(i);
-        samples.record.domain.groups.iter().any(|g| g.name == name && g.material == "fluid")
-    };
     let value = |i: usize| if fluid(i) { frame.pressure[i] } else { f64::NAN };
     let pressure: Vec<f64> = (0..frame.len().min(frame.pressure.len())).map(value).collect();
     let (low, high) = range(pressure.iter().copied());
@@ -150,7 +153,8 @@ pub(super) fn map(samples: &Samples, left: f64, top: f64, width: f64) -> Panel {
         |a: usize| (domain.min.get(a).copied().unwrap_or(0.0), domain.max.get(a).copied().unwrap_or(1.0));
     let ((x0, x1), (y0, y1)) = (side(0), side(1));
     let scale = Scale::choose((x1 - x0).abs().max((y1 - y0).abs()), "m");
-    let axis = |low, high, label: &str| Axis { low, high, scale: scale.clone(), label: label.into() };
+    let axis =
+        |low, high, label: &str| Axis { low, high, scale: scale.clone(), label: label.into(), step: None };
     let height = width * (y1 - y0) / (x1 - x0);
     Panel { left, top, width, height, x: axis(x0, x1, "x"), y: axis(y0, y1, "y") }
 }
@@ -199,20 +203,56 @@ fn snapshots(samples: &Samples, fields: &[Field<'_>], bar: &Bar<'_>, arrows: boo
     d
 }
 
+/// Every point of the sheet takes the colour of the nearest particle, no further than one and a half spacings.
 fn paint(samples: &Samples, d: &mut Drawing, panel: &Panel, field: &Field<'_>, bar: &Bar<'_>) {
+    /// Size of a point, mm: two pixels of the PNG.
+    const POINT: f64 = 0.2;
     let frame = field.frame;
-    let mm = panel.width / (panel.x.high - panel.x.low);
-    for i in (0..frame.len().min(field.values.len())).filter(|&i| in_slice(samples, frame, i)) {
-        let [x, y, _] = frame.position[i];
-        let value = field.values[i];
-        let colour =
-            if value.is_finite() { (bar.colour)((value - bar.low) / (bar.high - bar.low)) } else { PALE };
-        // Squares of the particle's own size tile a lattice; 4 % more closes rounding gaps.
-        let half = 0.52 * spacing(samples, frame, i) * mm;
-        let [px, py] = panel.at(x, y);
-        let (l, r) = ((px - half).max(panel.left), (px + half).min(panel.left + panel.width));
-        let (t, b) = ((py - half).max(panel.top), (py + half).min(panel.top + panel.height));
-        d.rectangle([l, t], [r - l, b - t], colour);
+    let shown: Vec<usize> =
+        (0..frame.len().min(field.values.len())).filter(|&i| in_slice(samples, frame, i)).collect();
+    let cell = shown.iter().map(|&i| spacing(samples, frame, i)).fold(0.0, f64::max);
+    if cell <= 0.0 {
+        return;
+    }
+    let key = |x: f64, y: f64| ((x / cell).floor() as i64, (y / cell).floor() as i64);
+    let mut cells: std::collections::HashMap<(i64, i64), Vec<usize>> = std::collections::HashMap::new();
+    for &i in &shown {
+        cells.entry(key(frame.position[i][0], frame.position[i][1])).or_default().push(i);
+    }
+    let nearest = |x: f64, y: f64| -> Option<usize> {
+        let (kx, ky) = key(x, y);
+        let around = (-1..=1).flat_map(|a| (-1..=1).map(move |b| (kx + a, ky + b)));
+        let away = |i: usize| (frame.position[i][0] - x).powi(2) + (frame.position[i][1] - y).powi(2);
+        let candidates = around.filter_map(|k| cells.get(&k)).flatten().copied();
+        let near = candidates.map(|i| (away(i), i)).min_by(|a, b| a.0.total_cmp(&b.0));
+        near.filter(|n| n.0 <= (1.5 * cell).powi(2)).map(|n| n.1)
+    };
+    let (columns, rows) = ((panel.width / POINT).ceil() as usize, (panel.height / POINT).ceil() as usize);
+    for row in 0..rows {
+        let top = panel.top + row as f64 * POINT;
+        let high = POINT.min(panel.top + panel.height - top);
+        let y = panel.y.high - (row as f64 + 0.5) * POINT / panel.height * (panel.y.high - panel.y.low);
+        let at = |c: usize| {
+            let x = panel.x.low + (c as f64 + 0.5) * POINT / panel.width * (panel.x.high - panel.x.low);
+            nearest(x, y)
+        };
+        // Neighbouring points of one particle become one rectangle.
+        let (mut start, mut current) = (0, at(0));
+        for c in 1..=columns {
+            let next = if c < columns { at(c) } else { None };
+            if c < columns && next == current {
+                continue;
+            }
+            if let Some(i) = current {
+                let left = panel.left + start as f64 * POINT;
+                let right = (panel.left + c as f64 * POINT).min(panel.left + panel.width);
+                let value = field.values[i];
+                let part = (value - bar.low) / (bar.high - bar.low);
+                let colour = if value.is_finite() { (bar.colour)(part) } else { PALE };
+                d.rectangle([left, top], [right - left, high], colour);
+            }
+            (start, current) = (c, next);
+        }
     }
 }
 
@@ -260,6 +300,7 @@ fn colour_bar(d: &mut Drawing, left: f64, top: f64, length: f64, bar: &Bar<'_>) 
         HAIR,
         BLACK,
     );
+    let mut widest: f64 = 0.0;
     if bar.high > bar.low {
         for (value, label) in ticks(bar.low * scale.factor, bar.high * scale.factor, (length / 9.0) as usize)
         {
@@ -267,7 +308,8 @@ fn colour_bar(d: &mut Drawing, left: f64, top: f64, length: f64, bar: &Bar<'_>) 
             let y = top + length * (1.0 - part.clamp(0.0, 1.0));
             d.line(&[[left + 3.0, y], [left + 3.8, y]], HAIR, BLACK);
             d.text([left + 4.4, y], &label, LABEL, BLACK, Anchor::Start);
+            widest = widest.max(text_width(&label, LABEL));
         }
     }
-    d.text_upwards([left + 15.0, top + length / 2.0], &scale.label(bar.label), LABEL, BLACK);
+    d.text_upwards([left + widest + 7.2, top + length / 2.0], &scale.label(bar.label), LABEL, BLACK);
 }

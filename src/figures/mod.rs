@@ -144,5 +144,5 @@ pub(crate) fn spread(count: usize, most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
     }
-    (0..most).map(|k| (k * (count - 1)).div_ceil(most - 1)).collect()
+    (0..most).map(|k| (2 * k * (count - 1) + most - 1) / (2 * (most - 1))).collect()
 }

@@ -1,8 +1,8 @@
 //! A panel: a rectangle of the sheet with axes, into which values are drawn.
 
 use super::colours::{BLACK, Colour, GREY};
-use super::drawing::{Anchor, Drawing, HAIR, LABEL, TITLE};
-use super::units::{Scale, ticks};
+use super::drawing::{Anchor, Drawing, HAIR, LABEL, TITLE, text_width};
+use super::units::{Scale, ticks, ticks_every};
 
 /// A value axis: range in SI and how it is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +11,8 @@ pub struct Axis {
     pub high: f64,
     pub scale: Scale,
     pub label: String,
+    /// Distance of ticks as shown, where the usual choice does not suit.
+    pub step: Option<f64>,
 }
 
 impl Axis {
@@ -18,7 +20,13 @@ impl Axis {
     #[must_use]
     pub fn covering(values: impl Iterator<Item = f64>, unit: &str, label: &str) -> Axis {
         let (low, high) = range(values);
-        Axis { low, high, scale: Scale::choose(low.abs().max(high.abs()), unit), label: label.into() }
+        Axis {
+            low,
+            high,
+            scale: Scale::choose(low.abs().max(high.abs()), unit),
+            label: label.into(),
+            step: None,
+        }
     }
 
     /// Widened to hold zero if the data lie near it, and by a little air.
@@ -74,8 +82,7 @@ impl Panel {
         let (l, t, w, h) = (self.left, self.top, self.width, self.height);
         d.line(&[[l, t], [l, t + h], [l + w, t + h], [l + w, t], [l, t]], HAIR, BLACK);
         let (fx, fy) = (self.x.scale.factor, self.y.scale.factor);
-        let across = (w / 13.0).clamp(2.0, 10.0) as usize;
-        for (value, label) in ticks(self.x.low * fx, self.x.high * fx, across) {
+        for (value, label) in self.x_ticks() {
             let [px, _] = self.at(value / fx, self.y.low);
             d.line(&[[px, t + h], [px, t + h + 1.0]], HAIR, BLACK);
             d.text([px, t + h + 3.0], &label, LABEL, BLACK, Anchor::Middle);
@@ -85,11 +92,25 @@ impl Panel {
             let [_, py] = self.at(self.x.low, value / fy);
             d.line(&[[l - 1.0, py], [l, py]], HAIR, BLACK);
             d.text([l - 1.6, py], &label, LABEL, BLACK, Anchor::End);
-            widest = widest.max(super::drawing::text_width(&label, LABEL));
+            widest = widest.max(text_width(&label, LABEL));
         }
         d.text([l + w / 2.0, t + h + 6.8], &self.x.scale.label(&self.x.label), LABEL, BLACK, Anchor::Middle);
         d.text_upwards([l - widest - 3.8, t + h / 2.0], &self.y.scale.label(&self.y.label), LABEL, BLACK);
         d.text([l, t - 2.6], title, TITLE, BLACK, Anchor::Start);
+    }
+
+    /// As many ticks as leave a gap between their labels.
+    fn x_ticks(&self) -> Vec<(f64, String)> {
+        let (low, high) = (self.x.low * self.x.scale.factor, self.x.high * self.x.scale.factor);
+        if let Some(step) = self.x.step {
+            return ticks_every(low, high, step);
+        }
+        let fits = |list: &Vec<(f64, String)>| {
+            let need: f64 = list.iter().map(|t| text_width(&t.1, LABEL) + 2.5).sum();
+            list.len() < 3 || need <= self.width
+        };
+        let tries = (1..=8).rev().map(|count| ticks(low, high, count));
+        tries.into_iter().find(fits).unwrap_or_else(|| ticks(low, high, 1))
     }
 
     /// A curve through (x, y).
@@ -137,6 +158,6 @@ pub fn legend(d: &mut Drawing, mut left: f64, top: f64, entries: &[(String, Colo
     for (name, colour, width) in entries {
         d.line(&[[left, top], [left + 5.0, top]], *width, *colour);
         d.text([left + 6.2, top], name, LABEL, BLACK, Anchor::Start);
-        left += 10.0 + super::drawing::text_width(name, LABEL);
+        left += 10.0 + text_width(name, LABEL);
     }
 }

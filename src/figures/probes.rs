@@ -48,7 +48,8 @@ fn cartesian(samples: &Samples, name: &str) -> Option<Figure> {
         let mut x = Axis::covering(bands.iter().flat_map(|b| b.s.iter().copied()), "m", "distance");
         if ring {
             let scale = Scale { factor: 180.0 / std::f64::consts::PI, unit: "degrees".into() };
-            x = Axis { scale, label: "angle".into(), ..x };
+            let high = x.low + 2.0 * std::f64::consts::PI;
+            x = Axis { high, scale, label: "angle".into(), step: Some(90.0), ..x };
         }
         let p =
             Panel { left: frame[0], top: frame[1], width: frame[2], height: frame[3], x, y: y.with_air() };
@@ -56,8 +57,12 @@ fn cartesian(samples: &Samples, name: &str) -> Option<Figure> {
         for (k, b) in bands.iter().enumerate() {
             // The light end of viridis vanishes on white.
             let colour = viridis(0.85 * k as f64 / (TIMES - 1) as f64);
-            p.band(&mut d, &b.s, &b.low, &b.high, colour.faint(0.15));
-            p.curve(&mut d, &b.s, &b.mean, 0.4, colour);
+            let closed = |values: &[f64], turn: f64| -> Vec<f64> {
+                values.iter().copied().chain(values.first().filter(|_| ring).map(|v| v + turn)).collect()
+            };
+            let s = closed(&b.s, 2.0 * std::f64::consts::PI);
+            p.band(&mut d, &s, &closed(&b.low, 0.0), &closed(&b.high, 0.0), colour.faint(0.15));
+            p.curve(&mut d, &s, &closed(&b.mean, 0.0), 0.4, colour);
             shown.push((show(b.time, "s"), colour, 0.5));
             realizations = b.realizations;
         }

@@ -20,16 +20,9 @@ struct Curves {
 /// Amount of every species in every group where it ever occurs.
 pub fn amounts(samples: &Samples) -> Option<Figure> {
     let names = &samples.series.columns;
-    let single_group = names.groups.iter().all(|g| *g == names.groups[0]);
     let mut curves: Vec<Curves> = (0..names.len())
-        .map(|c| Curves {
-            title: if single_group {
-                names.species[c].clone()
-            } else {
-                format!("{} in {}", names.species[c], names.groups[c])
-            },
-            values: column(samples, c),
-        })
+        .filter(|&c| !repeats(samples, c))
+        .map(|c| Curves { title: title(samples, c), values: column(samples, c) })
         .filter(|c| c.values.iter().flatten().any(|v| *v != 0.0))
         .collect();
     let left_out = curves.len().saturating_sub(PANELS);
@@ -72,16 +65,12 @@ pub fn fano(samples: &Samples) -> Option<Figure> {
         return None;
     }
     let names = &series.columns;
-    let single_group = names.groups.iter().all(|g| *g == names.groups[0]);
     let curve = |c: usize| Curves {
-        title: if single_group {
-            names.species[c].clone()
-        } else {
-            format!("{} in {}", names.species[c], names.groups[c])
-        },
+        title: title(samples, c),
         values: vec![(0..series.times.len()).map(|t| fano_factor(&series.across(t, c))).collect()],
     };
     let curves: Vec<Curves> = (0..names.len())
+        .filter(|&c| !repeats(samples, c))
         .map(curve)
         .filter(|c| c.values[0].iter().any(|v| v.is_finite() && *v > 0.0))
         .take(PANELS)
@@ -92,6 +81,22 @@ pub fn fano(samples: &Samples) -> Option<Figure> {
         100.0 * (2.0 / (series.blocks.len() as f64 - 1.0)).sqrt()
     );
     figure(samples, "fano", "Fano factor against time", &caption, &curves, "1", "variance / mean")
+}
+
+/// Whether a column is the sum over the domain of a species that occurs in one group only.
+fn repeats(samples: &Samples, c: usize) -> bool {
+    let names = &samples.series.columns;
+    let other = |k: usize| names.groups[k] != "all" && names.species[k] == names.species[c];
+    names.groups[c] == "all" && (0..names.len()).any(|k| other(k) && column(samples, k) == column(samples, c))
+}
+
+fn title(samples: &Samples, c: usize) -> String {
+    let names = &samples.series.columns;
+    match names.groups[c].as_str() {
+        _ if names.groups.iter().all(|g| *g == names.groups[0]) => names.species[c].clone(),
+        "all" => format!("{}, whole domain", names.species[c]),
+        group => format!("{} in {group}", names.species[c]),
+    }
 }
 
 fn caption(samples: &Samples) -> String {

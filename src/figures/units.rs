@@ -36,7 +36,14 @@ impl Scale {
     #[must_use]
     pub fn choose(largest: f64, unit: &str) -> Scale {
         let (base, size, power, rest) = match unit {
-            "" | "1" | "molecules" | "rad" | "kg/m^3" => {
+            "molecules" => {
+                // Counts carry no prefix; powers of a thousand keep tick labels short.
+                let powers = [(1e10, 1e-9, "10⁹ "), (1e7, 1e-6, "10⁶ "), (1e4, 1e-3, "10³ ")];
+                let fit = powers.into_iter().find(|p| largest.abs() >= p.0);
+                let (_, factor, power) = fit.unwrap_or((0.0, 1.0, ""));
+                return Scale { factor, unit: format!("{power}molecules") };
+            }
+            "" | "1" | "rad" | "kg/m^3" => {
                 let shown = match unit {
                     "1" => "",
                     "kg/m^3" => "kg/m³",
@@ -140,8 +147,13 @@ pub fn ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     }
     let rough = span / count.max(1) as f64;
     let power = 10f64.powf(rough.log10().floor());
-    let step =
-        [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough * 0.999).unwrap_or(rough);
+    // The round step nearest on a logarithmic scale.
+    let step = match rough / power {
+        m if m < 1.5 => 1.0,
+        m if m < 3.2 => 2.0,
+        m if m < 7.1 => 5.0,
+        _ => 10.0,
+    } * power;
     ticks_every(low, high, step)
 }
 

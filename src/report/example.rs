@@ -257,7 +257,7 @@ fn the_page_of_a_run_stands_alone() {
     }
     assert!(dir.join("figures/amounts.svg").exists() && !dir.join("figures/field_L.svg").exists());
     assert!(page.contains("data:image/png;base64,") && page.contains("&lt;made up&gt;"));
-    assert!(!page.contains("<script") && !page.contains("src=\"http") && !page.contains("NaN"));
+    assert!(!page.contains("<script") && !page.contains("src=\"http") && !page.contains(">NaN"));
     let drawn = |name: &str| std::fs::read(dir.join("figures").join(name)).unwrap();
     let (png, svg) = (drawn("velocity.png"), drawn("amounts.svg"));
     write(dir).unwrap();
