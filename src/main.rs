@@ -1,9 +1,5 @@
-<<<<<<< HEAD
 //! The binary `gillesph`.
 
 fn main() -> std::process::ExitCode {
     gillesph::cli::main()
 }
-=======
-fn main() {}
->>>>>>> input

@@ -101,6 +101,10 @@ impl EventMethod for NextReaction<'_> {
         &self.cells.supplied
     }
 
+    fn fired(&self) -> &[u64] {
+        &self.cells.fired
+    }
+
     fn counters(&self) -> Counters {
         self.cells.counters
     }
