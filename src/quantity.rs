@@ -2,13 +2,14 @@
 
 pub mod dimension;
 pub mod nearest;
+mod table;
 mod units;
 
 pub use dimension::Dimension;
 pub use nearest::{did_you_mean, nearest};
-pub(crate) use units::{find as find_unit, is_unit_letter, suggestion as unit_suggestion};
+pub(crate) use table::{find as find_unit, is_unit_letter, suggestion as unit_suggestion};
 
-use crate::quantity::units::Unit;
+use crate::quantity::table::Unit;
 
 /// A value in SI units (mol for amounts) and its dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,7 +218,8 @@ mod tests {
     #[case("1_000 um", 0, 5, "not a number")]
     #[case("1,5 um", 0, 3, "not a number")]
     #[case("5 uum", 2, 3, "unknown unit \"uum\"")]
-    #[case("5 um/sec2x", 9, 1, "unknown unit")]
+    #[case("5 um/sec2x", 9, 1, "missing between")]
+    #[case("5 um/secx", 5, 4, "unknown unit")]
     #[case("5 m/degC", 4, 4, "offset")]
     #[case("fast", 0, 4, "expected a number")]
     #[case("", 0, 1, "expected a number")]
@@ -245,5 +247,15 @@ mod tests {
         assert!(Quantity::parse("5 Mol").unwrap_err().remedy.contains("\"mol\""));
         assert!(Quantity::parse("5 sec").unwrap().dimension == Dimension::TIME);
         assert!(Quantity::parse("5 umm").unwrap_err().remedy.contains("\"um\""));
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_text_panics(text in "[-+0-9.eE_, a-zA-Zµ%²⁻/*^()·°]{0,24}") {
+            let length = text.chars().count().max(1);
+            if let Err(fault) = Quantity::parse(&text) {
+                proptest::prop_assert!(fault.offset + fault.width <= length, "{fault:?} in {text:?}");
+            }
+        }
     }
 }

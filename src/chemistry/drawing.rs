@@ -19,7 +19,8 @@ pub fn text(network: &Network) -> String {
         Kinetics::Concentration => "concentration (rate constants in mol, m, s)",
         Kinetics::Molecules => "molecules (rates per distinct combination of molecules)",
     };
-    let mut out = format!("{}\n  kinetics: {kinetics}\n\nspecies ({})\n", network.name, network.species.len());
+    let mut out =
+        format!("{}\n  kinetics: {kinetics}\n\nspecies ({})\n", network.name, network.species.len());
     let width = column(network.species.iter().map(|s| s.name.as_str()));
     for species in &network.species {
         let mut words = vec![format!("diffusivity {} m^2/s", number(species.diffusion))];

@@ -52,7 +52,8 @@ impl Expression {
         if faults.is_empty() {
             faults = dimensions::check(&self.tree, &names, expected);
         }
-        let program = if faults.is_empty() { compile::program(&self.tree, &names, &self.text) } else { Err(faults) };
+        let program =
+            if faults.is_empty() { compile::program(&self.tree, &names, &self.text) } else { Err(faults) };
         program.map_err(|faults| faults.into_iter().map(|f| fault_at(&self.place, f)).collect())
     }
 

@@ -91,9 +91,6 @@ pub fn parse(source: &Arc<Source>) -> Result<Node, ModelError> {
 /// Reads a YAML document that may be empty ([`Value::Null`]).
 fn parse_value(source: &Arc<Source>) -> Result<Node, Fault> {
     let text = &source.text;
-    if let Some(fault) = unreadable(source) {
-        return Err(fault);
-    }
     let options = serde_yaml::options! {
         duplicate_keys: DuplicateKeyPolicy::PassThrough,
         non_finite_float_policy: NonFiniteFloatPolicy::PassThrough,
@@ -105,7 +102,7 @@ fn parse_value(source: &Arc<Source>) -> Result<Node, Fault> {
     match read(text, options) {
         Ok(Some(raw)) => Ok(span::place(raw, source)),
         Ok(None) => Ok(Node { place: span::start(source), value: Value::Null }),
-        Err(error) => Err(syntax_fault(source, &error)),
+        Err(error) => Err(tab_fault(source).unwrap_or_else(|| syntax_fault(source, &error))),
     }
 }
 
@@ -117,8 +114,8 @@ fn read(text: &str, options: Options) -> Result<Option<Spanned<Raw>>, serde_yaml
     if blank { Ok(None) } else { serde_yaml::from_str_with_options(text, options).map(Some) }
 }
 
-/// What makes YAML fail in ways people do not expect, said before the parser says it less plainly.
-fn unreadable(source: &Arc<Source>) -> Option<Fault> {
+/// The first tab in the indentation of a text that is no YAML: the likely reason, and hard to see.
+fn tab_fault(source: &Arc<Source>) -> Option<Fault> {
     for (number, line) in source.text.lines().enumerate() {
         let indent: usize = line.chars().take_while(|c| c.is_whitespace()).count();
         if let Some(column) = line.chars().take(indent).position(|c| c == '\t')
@@ -340,6 +337,8 @@ mod tests {
             assert!((i64::from(place.line) - line).abs() <= 1, "{text:?}: {fault}");
             assert!(!fault.remedy.is_empty(), "{fault}");
         }
+        assert!(parse(&source("a:\n\tb: 1\n")).unwrap_err().faults[0].reason.contains("tab"));
+        assert!(parse(&source("a: |\n  x\n  \ty\n")).is_ok(), "a tab inside a block text is no fault");
     }
 
     #[test]

@@ -35,8 +35,14 @@ pub fn read(node: &Node, faults: &mut Faults) -> Option<Network> {
     if let Some(list) = fields.optional("reactions").and_then(|n| Fields::of(n, "reactions", faults)) {
         let scope = Scope { kinetics, species: &species, parameters: &parameters, species_place };
         for (key, entry) in list.entries() {
-            if let Some(read) = read_reaction(key, entry, &scope, faults) {
-                reactions.extend(read);
+            let read: Vec<Reaction> = read_reaction(key, entry, &scope, faults).unwrap_or_default();
+            for reaction in read {
+                // The backward direction of a pair may be called like another reaction.
+                let repeated = list.entries().iter().filter(|(k, _)| k.name == key.name).count() > 1;
+                if !repeated && reactions.iter().any(|r: &Reaction| r.name == reaction.name) {
+                    faults.at(&key.place, format!("\"{}\" is given twice", reaction.name), "rename one");
+                }
+                reactions.push(reaction);
             }
         }
     }

@@ -71,3 +71,6 @@ impl Faults {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

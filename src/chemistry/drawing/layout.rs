@@ -149,7 +149,8 @@ fn ordered(level: &[usize], edges: &[(usize, usize)]) -> Vec<Vec<usize>> {
     number(&rows, &mut place);
     let mut best = (crossings(&rows, edges, &place), rows.clone());
     for sweep in 0..SWEEPS {
-        let layers: Vec<usize> = if sweep % 2 == 0 { (0..depth).collect() } else { (0..depth).rev().collect() };
+        let layers: Vec<usize> =
+            if sweep % 2 == 0 { (0..depth).collect() } else { (0..depth).rev().collect() };
         for l in layers {
             let barycentre = |n: usize| {
                 let near: Vec<f64> = edges

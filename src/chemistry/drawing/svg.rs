@@ -32,9 +32,9 @@ pub fn svg(network: &Network) -> String {
     let mut nodes: Vec<Box2> =
         network.species.iter().map(|s| Box2 { width: (width(&s.name, 14.0) + 22.0).max(44.0) }).collect();
     nodes.extend(
-        reactions
-            .iter()
-            .map(|one| Box2 { width: (width(&network.reactions[one.forward].name, 11.0) + 4.0).max(3.0 * DOT) }),
+        reactions.iter().map(|one| Box2 {
+            width: (width(&network.reactions[one.forward].name, 11.0) + 4.0).max(3.0 * DOT),
+        }),
     );
     let mut edges: Vec<Edge> = Vec::new();
     for (k, one) in reactions.iter().enumerate() {
@@ -91,11 +91,8 @@ pub fn svg(network: &Network) -> String {
     for (k, one) in reactions.iter().enumerate() {
         let reaction = &network.reactions[one.forward];
         let [x, y] = layout.centre[count + k];
-        let equation = if one.reversible {
-            reaction.equation.replace("->", "<->")
-        } else {
-            reaction.equation.clone()
-        };
+        let equation =
+            if one.reversible { reaction.equation.replace("->", "<->") } else { reaction.equation.clone() };
         let _ = writeln!(
             out,
             "<g><title>{}</title><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{DOT}\" fill=\"#c05621\"/>\
@@ -126,7 +123,10 @@ fn draw_edge(
     // A species that enters and leaves a reaction is joined by two lines, one above the other.
     let shift = if edge.from < species { -edge.bow } else { edge.bow };
     if bends.is_empty() && shift != 0.0 {
-        points.insert(1, [0.5 * (points[0][0] + points[1][0]), 0.5 * (points[0][1] + points[1][1]) + 2.0 * shift]);
+        points.insert(
+            1,
+            [0.5 * (points[0][0] + points[1][0]), 0.5 * (points[0][1] + points[1][1]) + 2.0 * shift],
+        );
     } else {
         points[1..last].iter_mut().for_each(|point| point[1] += shift);
     }
@@ -138,7 +138,11 @@ fn draw_edge(
         let ([x0, y0], [x1, y1]) = (points[k], points[k + 1]);
         // Horizontal tangents at bends keep lines clear of the boxes above and below.
         let dx = 0.4 * (x1 - x0);
-        let (a, b) = if last == 1 { ([x0 + dx, y0 + 0.4 * (y1 - y0)], [x1 - dx, y1 - 0.4 * (y1 - y0)]) } else { ([x0 + dx, y0], [x1 - dx, y1]) };
+        let (a, b) = if last == 1 {
+            ([x0 + dx, y0 + 0.4 * (y1 - y0)], [x1 - dx, y1 - 0.4 * (y1 - y0)])
+        } else {
+            ([x0 + dx, y0], [x1 - dx, y1])
+        };
         let _ = write!(path, " C{:.1} {:.1} {:.1} {:.1} {x1:.1} {y1:.1}", a[0], a[1], b[0], b[1]);
     }
     let start = if edge.head_at_start { " marker-start=\"url(#head)\"" } else { "" };

@@ -99,7 +99,7 @@ pub(super) enum Step {
 }
 
 /// Values the stack holds; expressions that need more are refused when compiled.
-pub(super) const STACK: usize = 32;
+pub(super) const STACK: usize = 16;
 
 /// A compiled expression: a stack program over numbered variables.
 #[derive(Clone, Debug, PartialEq)]

@@ -124,3 +124,16 @@ proptest! {
         let _ = compile(&text, Dimension::NONE).map(|program| program.eval(&[1.0, 2.0]));
     }
 }
+
+/// `cargo test --release law_speed -- --ignored --nocapture`
+#[test]
+#[ignore = "prints a timing"]
+fn law_speed() {
+    let law = compile("vmax * S / (km + S)", Dimension::CONCENTRATION_RATE).unwrap();
+    let start = std::time::Instant::now();
+    let mut sum = 0.0;
+    for k in 0..10_000_000 {
+        sum += law.eval(std::hint::black_box(&[f64::from(k), 1.0]));
+    }
+    println!("{:.1} ns per evaluation ({sum:e})", start.elapsed().as_secs_f64() * 100.0);
+}

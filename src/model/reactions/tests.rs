@@ -190,3 +190,39 @@ fn one_fault_never_hides_another() {
     // What could be read is there for the checks of the model around it.
     assert_eq!(network.unwrap().species.len(), 2);
 }
+
+#[test]
+fn names_of_directions_are_told_apart() {
+    let text = "species: [A, B]\nreactions:\n  d: { equation: A <-> B, rate: 1, reverse: 1 }\n  d (reverse): { equation: B -> 0, rate: 1 }\n";
+    let (_, faults) = read_text(text);
+    assert_eq!(faults.list.len(), 1);
+    assert!(faults.list[0].reason.contains("\"d (reverse)\" is given twice"));
+}
+
+proptest::proptest! {
+    /// Whatever is cut out of or put into a good file, reading ends, and faults lie inside the file.
+    #[test]
+    fn damaged_files_never_panic(
+        at in 0_usize..700, cut in 0_usize..12, put in "[-:{},\\[\\]&*#|>\"'%@! \n\tA0.e<+]{0,4}",
+    ) {
+        let mut characters: Vec<char> = CONTRACT.chars().collect();
+        let at = at.min(characters.len());
+        let end = (at + cut).min(characters.len());
+        characters.splice(at..end, put.chars());
+        let text: String = characters.into_iter().collect();
+        let source = Arc::new(Source { path: "r.yaml".into(), text });
+        let mut faults = Faults::new();
+        match parse(&source) {
+            Ok(node) => {
+                read(&node, &mut faults);
+            }
+            Err(error) => error.faults.into_iter().for_each(|fault| faults.push(fault)),
+        }
+        let lines = source.text.lines().count() as u32;
+        for fault in faults.list {
+            let place = fault.place.clone().expect("a place");
+            proptest::prop_assert!(place.line >= 1 && place.line <= lines.max(1), "{fault}");
+            proptest::prop_assert!(!fault.reason.is_empty());
+        }
+    }
+}
