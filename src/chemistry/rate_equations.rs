@@ -117,7 +117,7 @@ impl RateEquations {
                 let e: f64 = h * E.iter().zip(&self.slopes).map(|(e, k)| e * k[s]).sum::<f64>();
                 let size = self.state[s].abs().max(self.trial[s].abs());
                 error = error.max((e / (ABSOLUTE + RELATIVE * size)).abs());
-                negative |= self.trial[s] < 0.0;
+                negative |= !(self.trial[s] >= 0.0 && e.is_finite());
             }
             if !negative && error <= 1.0 {
                 for s in (0..species).filter(|&s| is_held(s)) {
@@ -134,7 +134,7 @@ impl RateEquations {
             }
             // The usual controller of order 5 with its safety factor; halved at least after a rejection.
             let factor = if error > 0.0 { 0.9 * error.powf(-0.2) } else { 5.0 };
-            h *= if negative { factor.min(0.5) } else { factor.clamp(0.2, 5.0) };
+            h *= if negative { factor.clamp(0.1, 0.5) } else { factor.clamp(0.2, 5.0) };
             if h < SHORTEST * dt {
                 break;
             }
