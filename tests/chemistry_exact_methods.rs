@@ -208,8 +208,9 @@ fn birth_death_diffusion() {
 }
 
 /// A + B -> 0 with diffusion in volumes 1 and 0.5, A and B starting apart (85 states).
-/// t, then mean and variance and m4 of A0, A1, B0, B1.
-const APART: [(f64, [f64; 4], [f64; 4], [f64; 4]); 3] = [
+/// Time, then mean, variance and fourth central moment of A0, A1, B0, B1.
+type Moments = (f64, [f64; 4], [f64; 4], [f64; 4]);
+const APART: [Moments; 3] = [
     (
         0.5,
         [4.46470641153805, 0.6783103099679232, 0.4000722194142978, 2.742944502091676],

@@ -5,6 +5,7 @@ mod chemistry_cases;
 use chemistry_cases::*;
 use gillesph::chemistry::split::{Frozen, SplitState, step_bounds};
 use gillesph::chemistry::{GroupSet, Links, Reactor};
+use proptest::prelude::*;
 
 const LIMIT: f64 = 4.5;
 
@@ -141,13 +142,101 @@ fn held_edges_keep_the_interior_poisson() {
             assert_eq!(state.total(0), 15.0 + state.supplied[0] - decayed);
             seen.iter_mut().zip(&state.amounts).for_each(|(x, &a)| x.push(a));
         }
-        for i in 1..n - 1 {
+        for (i, x) in seen.iter().enumerate().take(n - 1).skip(1) {
             let mu = expected.amounts[i];
-            assert_mean(&seen[i], mu, mu, LIMIT, &format!("voxel {i}, dealt {dealt}"));
-            assert_variance(&seen[i], mu, poisson_m4(mu), LIMIT, &format!("voxel {i}, dealt {dealt}"));
-            assert_distribution(&seen[i], &poisson_masses(mu, 60), &format!("voxel {i}, dealt {dealt}"));
+            assert_mean(x, mu, mu, LIMIT, &format!("voxel {i}, dealt {dealt}"));
+            assert_variance(x, mu, poisson_m4(mu), LIMIT, &format!("voxel {i}, dealt {dealt}"));
+            assert_distribution(x, &poisson_masses(mu, 60), &format!("voxel {i}, dealt {dealt}"));
         }
     }
+}
+
+/// Diffusion between a reservoir of 1000 molecules and an empty one (17 particles of spacing 1/16, κ = 0.1,
+/// t = 1; with a Lucy kernel of h = 1.8 Δ only nearest neighbours meet): the mean of the semi-discrete scheme,
+/// by its matrix exponential, and Poisson around it. Both for molecules and for continuous amounts.
+#[test]
+fn line_between_reservoirs() {
+    let mean_over_1000 = [
+        1.0,
+        0.8887519004290038,
+        0.7796610360272388,
+        0.6747573855787941,
+        0.575828443639542,
+        0.48432636973678295,
+        0.401304797836714,
+        0.32738866651985754,
+        0.2627763024064995,
+        0.20726930531975077,
+        0.16032307083208033,
+        0.12110936679240018,
+        0.08858233867659458,
+        0.061540513692240735,
+        0.03867949436636421,
+        0.01863267028672595,
+        0.0,
+    ];
+    let n = 17;
+    let mut held = vec![false; n];
+    (held[0], held[n - 1]) = (true, true);
+    let mut start = vec![0.0; n];
+    start[0] = 1000.0;
+    let (links, volumes) = (line(n, 16.0 * UNIT), vec![UNIT / 16.0; n]); // rate κ/Δ² = 25.6 /s each way
+    let smooth = Reactor::everywhere(&network(&[("A", 0.1)], &[]), &[false]);
+    let frozen = still(&smooth, &links, &volumes, &held);
+    let mut state = SplitState::new(&smooth, start.clone(), 0, 0);
+    (0..3).for_each(|_| state.diffuse(&smooth, &frozen, 0.0, 1.0 / 3.0).unwrap());
+    for (a, m) in state.amounts.iter().zip(mean_over_1000) {
+        assert!((a - 1000.0 * m).abs() < 1e-9, "{a} {m}"); // rounding of some hundred terms
+    }
+    let reactor = discrete(&[("A", 0.1)], &[]);
+    let mut seen = vec![Vec::new(); n];
+    for run in 0..2000 {
+        let mut state = SplitState::new(&reactor, start.clone(), 31, run);
+        (0..10).for_each(|_| state.diffuse(&reactor, &frozen, 0.0, 0.1).unwrap());
+        assert_eq!(state.total(0), 1000.0 + state.supplied[0]);
+        seen.iter_mut().zip(&state.amounts).for_each(|(x, &a)| x.push(a));
+    }
+    for (x, m) in seen.iter().zip(mean_over_1000).take(n - 1).skip(1) {
+        let mu = 1000.0 * m;
+        assert_mean(x, mu, mu, LIMIT, "line");
+        assert_variance(x, mu, poisson_m4(mu), LIMIT, "line");
+    }
+}
+
+/// Random graphs, volumes and steps: whole counts, nothing below zero, books that balance to the molecule.
+#[test]
+fn books_balance_on_random_graphs() {
+    proptest!(ProptestConfig::with_cases(64), |(
+        volumes in proptest::collection::vec(0.01_f64..10.0, 6),
+        pairs in proptest::collection::vec((0_usize..6, 0_usize..6, 0.0_f64..5.0), 1..12),
+        counts in proptest::collection::vec(0_u32..2000, 18),
+        held in proptest::collection::vec(proptest::bool::weighted(0.15), 18),
+        dt in 1e-4_f64..2.0,
+        seed in 0_u64..1000,
+    )| {
+        let reactor = discrete(
+            &[("A", 1.0), ("B", 0.3), ("C", 0.0)],
+            &[(&[(0, 1), (1, 1)], &[(2, 1)], 1e-3), (&[(2, 1)], &[(0, 1), (1, 1)], 0.5)],
+        );
+        let volumes: Vec<f64> = volumes.iter().map(|v| v * UNIT).collect();
+        let pairs: Vec<_> =
+            pairs.into_iter().filter(|(i, j, _)| i != j).map(|(i, j, g)| (i, j, g * UNIT)).collect();
+        let frozen = still(&reactor, &Links::from_pairs(6, &pairs), &volumes, &held);
+        let start: Vec<f64> = counts.into_iter().map(f64::from).collect();
+        let mut state = SplitState::new(&reactor, start.clone(), seed, 0);
+        let laws = |state: &SplitState, k: usize| state.total(k) + state.total(2);
+        let before = [laws(&state, 0), laws(&state, 1)];
+        for _ in 0..5 {
+            state.step(&reactor, &frozen, 0.0, dt).unwrap();
+            for (slot, &a) in state.amounts.iter().enumerate() {
+                prop_assert!(a >= 0.0 && a.fract() == 0.0);
+                prop_assert!(!held[slot] || a == start[slot]);
+            }
+            for (k, first) in before.into_iter().enumerate() {
+                prop_assert_eq!(laws(&state, k), first + state.supplied[k] + state.supplied[2]);
+            }
+        }
+    });
 }
 
 /// A sponge turns any count into Poisson of its target.
@@ -341,6 +430,25 @@ fn timing() {
             "{count} per voxel, {jumps} jumps: {:.3} ms a step, 8000 steps {:.1} s",
             step * 1e3,
             step * 8e3
+        );
+    }
+    let reactor = discrete(
+        &[("L", 1.0), ("R", 0.0), ("RL", 0.0)],
+        &[(&[(0, 1), (1, 1)], &[(2, 1)], 1e-3), (&[(2, 1)], &[(0, 1), (1, 1)], 1.0)],
+    );
+    let frozen = still(&reactor, &links, &volumes, &[]);
+    for (ligands, receptors) in [(1600.0, 1600.0), (1.0, 3.0)] {
+        let start = [ligands, receptors, 0.0].repeat(volumes.len());
+        let mut state = SplitState::new(&reactor, start, 1, 0);
+        let begin = std::time::Instant::now();
+        for k in 0..100 {
+            state.react(&reactor, &frozen, 0.001 * f64::from(k), 0.001).unwrap();
+        }
+        let (step, events) = (begin.elapsed().as_secs_f64() / 100.0, state.counters.events);
+        println!(
+            "reactions of {ligands}: {:.3} ms a step, {events} events, 16000 steps {:.1} s",
+            step * 1e3,
+            step * 16e3
         );
     }
 }

@@ -310,7 +310,7 @@ fn factorial(nu: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chemistry::reactor::example::network;
+    use crate::chemistry::reactor::example::{Equation, network};
 
     /// A volume in which one mol/m³ is one molecule.
     const UNIT: f64 = 1.0 / AVOGADRO;
@@ -318,7 +318,7 @@ mod tests {
     #[test]
     fn conventions_of_both_kinetics() {
         // 2 A -> B: k X (X-1) / (N_A V) and c X (X-1) / 2; 3 A -> 0: k X (X-1)(X-2) / (N_A V)² and c (X choose 3).
-        let reactions: [(&[(usize, u32)], &[(usize, u32)], f64); 5] = [
+        let reactions: [Equation; 5] = [
             (&[(0, 2)], &[(1, 1)], 0.5),
             (&[(0, 3)], &[], 0.5),
             (&[], &[(0, 1)], 0.5),
@@ -347,7 +347,7 @@ mod tests {
 
     #[test]
     fn too_few_molecules_give_zero() {
-        let reactions: [(&[(usize, u32)], &[(usize, u32)], f64); 3] =
+        let reactions: [Equation; 3] =
             [(&[(0, 2)], &[], 1.0), (&[(0, 3)], &[], 1.0), (&[(0, 2), (1, 1)], &[], 1.0)];
         let p = Propensities::compile(&network(Kinetics::Molecules, 2, &reactions), &[true, true]);
         for r in 0..3 {
@@ -360,8 +360,7 @@ mod tests {
 
     #[test]
     fn continuous_reactant_must_suffice() {
-        let reactions: [(&[(usize, u32)], &[(usize, u32)], f64); 2] =
-            [(&[(0, 1)], &[(1, 1)], 1.0), (&[(0, 1), (1, 1)], &[(0, 1)], 1.0)];
+        let reactions: [Equation; 2] = [(&[(0, 1)], &[(1, 1)], 1.0), (&[(0, 1), (1, 1)], &[(0, 1)], 1.0)];
         let p = Propensities::compile(&network(Kinetics::Molecules, 2, &reactions), &[false, true]);
         assert!(p.stochastic(0) && p.stochastic(1));
         assert_eq!(p.propensity(0, &[0.5, 0.0], 1.0), 0.0);
@@ -374,7 +373,7 @@ mod tests {
 
     #[test]
     fn dependency_graph() {
-        let reactions: [(&[(usize, u32)], &[(usize, u32)], f64); 3] = [
+        let reactions: [Equation; 3] = [
             (&[(0, 1), (1, 1)], &[(2, 1)], 1.0),
             (&[(2, 1)], &[(0, 1), (1, 1)], 1.0),
             (&[(1, 1)], &[(1, 2)], 1.0),

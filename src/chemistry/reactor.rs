@@ -117,9 +117,11 @@ pub(crate) mod example {
     use std::sync::Arc;
 
     type Side<'a> = &'a [(usize, u32)];
+    /// Reactants, products, constant.
+    pub type Equation<'a> = (Side<'a>, Side<'a>, f64);
 
     /// A mass-action network of `species` immobile species S0, S1, … from (reactants, products, constant).
-    pub fn network(kinetics: Kinetics, species: usize, reactions: &[(Side, Side, f64)]) -> Network {
+    pub fn network(kinetics: Kinetics, species: usize, reactions: &[Equation]) -> Network {
         let source = Arc::new(Source { path: String::from("test"), text: String::new() });
         let place = Place { source, line: 1, column: 1, width: 1 };
         let species = (0..species).map(|s| Species {
