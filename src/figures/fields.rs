@@ -260,7 +260,9 @@ fn draw_arrows(samples: &Samples, d: &mut Drawing, panel: &Panel, frame: &Partic
     const ACROSS: f64 = 22.0;
     let cell = (panel.x.high - panel.x.low) / ACROSS;
     let mut cells: std::collections::BTreeMap<(i64, i64), [f64; 5]> = std::collections::BTreeMap::new();
-    for i in (0..frame.len()).filter(|&i| in_slice(samples, frame, i)) {
+    // What rests would shorten the arrows beside it.
+    let moves = |i: usize| frame.velocity[i] != [0.0; 3];
+    for i in (0..frame.len()).filter(|&i| moves(i) && in_slice(samples, frame, i)) {
         let ([x, y, _], [u, v, _]) = (frame.position[i], frame.velocity[i]);
         let key = (((x - panel.x.low) / cell) as i64, ((y - panel.y.low) / cell) as i64);
         let sum = cells.entry(key).or_default();
