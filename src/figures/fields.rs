@@ -3,8 +3,8 @@
 use super::colours::{BLACK, Colour, PALE, WHITE, diverging, viridis};
 use super::drawing::{Anchor, HAIR, LABEL, text_width};
 use super::panel::{Axis, Panel, range};
-use super::units::{Scale, show, ticks};
-use super::{Drawing, Figure, Samples, WIDTH, slug, spread};
+use super::units::{Scale, ticks};
+use super::{Drawing, Figure, Samples, WIDTH, clock, slug, spread};
 use crate::chemistry::AVOGADRO;
 use crate::statistics::quantile;
 use crate::tables::ParticleFrame;
@@ -196,7 +196,7 @@ fn snapshots(samples: &Samples, fields: &[Field<'_>], bar: &Bar<'_>, arrows: boo
         if arrows {
             draw_arrows(samples, &mut d, &panel, field.frame, bar.high);
         }
-        panel.axes(&mut d, &show(field.frame.time, "s"));
+        panel.axes(&mut d, &clock(samples).show(field.frame.time));
     }
     let length = (d.height - above - below).min(60.0);
     colour_bar(&mut d, sheet - BAR + 2.0, above, length, bar);
