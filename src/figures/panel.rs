@@ -88,7 +88,7 @@ impl Panel {
             d.text([px, t + h + 3.0], &label, LABEL, BLACK, Anchor::Middle);
         }
         let mut widest: f64 = 0.0;
-        for (value, label) in ticks(self.y.low * fy, self.y.high * fy, (h / 8.0).clamp(2.0, 8.0) as usize) {
+        for (value, label) in ticks(self.y.low * fy, self.y.high * fy, (h / 8.0).clamp(2.0, 6.0) as usize) {
             let [_, py] = self.at(self.x.low, value / fy);
             d.line(&[[l - 1.0, py], [l, py]], HAIR, BLACK);
             d.text([l - 1.6, py], &label, LABEL, BLACK, Anchor::End);
