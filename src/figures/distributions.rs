@@ -3,8 +3,8 @@
 use super::colours::{BLACK, GREY, PALETTE};
 use super::drawing::{Anchor, LABEL};
 use super::panel::{Axis, Panel, grid};
-use super::units::{Scale, show, significant};
-use super::{Figure, Samples, WIDTH};
+use super::units::{Scale, significant};
+use super::{Figure, Samples, WIDTH, clock};
 use crate::statistics::{Summary, histogram, ln_gamma};
 
 const PANELS: usize = 12;
@@ -32,7 +32,7 @@ pub fn distributions(samples: &Samples) -> Option<Figure> {
             let (group, species) = (&series.columns.groups[c], &series.columns.species[c]);
             let values = series.across(last, c);
             if Summary::of(&values).variance > 0.0 && !(several && group == "all") {
-                let title = format!("{species} in {group}, {}", show(series.times[last], "s"));
+                let title = format!("{species} in {group}, {}", clock(samples).show(series.times[last]));
                 list.push(Sample { title, bins: histogram(&values), values });
             }
         }
@@ -63,7 +63,7 @@ fn asked(samples: &Samples) -> Vec<Sample> {
     let series = &samples.series;
     let mut list: Vec<Sample> = Vec::new();
     for bin in &samples.histograms {
-        let title = format!("{} in {}, {}", bin.species, bin.group, show(bin.time, "s"));
+        let title = format!("{} in {}, {}", bin.species, bin.group, clock(samples).show(bin.time));
         if list.last().is_none_or(|s| s.title != title) {
             let column = series.columns.find(&bin.group, &bin.species);
             let time = series.times.iter().position(|t| *t == bin.time);

@@ -3,8 +3,8 @@
 use super::colours::{BLACK, Colour, PALE, WHITE, diverging, viridis};
 use super::drawing::{Anchor, HAIR, LABEL, text_width};
 use super::panel::{Axis, Panel, range};
-use super::units::{Scale, show, ticks};
-use super::{Drawing, Figure, Samples, WIDTH, slug, spread};
+use super::units::{Scale, ticks};
+use super::{Drawing, Figure, Samples, WIDTH, clock, slug, spread};
 use crate::chemistry::AVOGADRO;
 use crate::statistics::quantile;
 use crate::tables::ParticleFrame;
@@ -196,7 +196,7 @@ fn snapshots(samples: &Samples, fields: &[Field<'_>], bar: &Bar<'_>, arrows: boo
         if arrows {
             draw_arrows(samples, &mut d, &panel, field.frame, bar.high);
         }
-        panel.axes(&mut d, &show(field.frame.time, "s"));
+        panel.axes(&mut d, &clock(samples).show(field.frame.time));
     }
     let length = (d.height - above - below).min(60.0);
     colour_bar(&mut d, sheet - BAR + 2.0, above, length, bar);
@@ -260,7 +260,9 @@ fn draw_arrows(samples: &Samples, d: &mut Drawing, panel: &Panel, frame: &Partic
     const ACROSS: f64 = 22.0;
     let cell = (panel.x.high - panel.x.low) / ACROSS;
     let mut cells: std::collections::BTreeMap<(i64, i64), [f64; 5]> = std::collections::BTreeMap::new();
-    for i in (0..frame.len()).filter(|&i| in_slice(samples, frame, i)) {
+    // What rests would shorten the arrows beside it.
+    let moves = |i: usize| frame.velocity[i] != [0.0; 3];
+    for i in (0..frame.len()).filter(|&i| moves(i) && in_slice(samples, frame, i)) {
         let ([x, y, _], [u, v, _]) = (frame.position[i], frame.velocity[i]);
         let key = (((x - panel.x.low) / cell) as i64, ((y - panel.y.low) / cell) as i64);
         let sum = cells.entry(key).or_default();

@@ -134,6 +134,11 @@ pub fn save(figure: &Figure, dir: &Path) -> Result<(), RunError> {
     Ok(())
 }
 
+/// The unit in which a run tells its times, one for all its figures.
+pub(crate) fn clock(samples: &Samples) -> units::Scale {
+    units::Scale::choose(samples.record.times.last().copied().unwrap_or(0.0), "s")
+}
+
 /// A name that is safe in a file name.
 pub(crate) fn slug(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()

@@ -88,7 +88,7 @@ impl Panel {
             d.text([px, t + h + 3.0], &label, LABEL, BLACK, Anchor::Middle);
         }
         let mut widest: f64 = 0.0;
-        for (value, label) in ticks(self.y.low * fy, self.y.high * fy, (h / 8.0).clamp(2.0, 8.0) as usize) {
+        for (value, label) in ticks(self.y.low * fy, self.y.high * fy, (h / 8.0).clamp(2.0, 6.0) as usize) {
             let [_, py] = self.at(self.x.low, value / fy);
             d.line(&[[l - 1.0, py], [l, py]], HAIR, BLACK);
             d.text([l - 1.6, py], &label, LABEL, BLACK, Anchor::End);
@@ -119,11 +119,14 @@ impl Panel {
         d.line(&points, width, colour);
     }
 
-    /// The area between two curves.
+    /// The area between two curves, broken where one is not a number.
     pub fn band(&self, d: &mut Drawing, x: &[f64], low: &[f64], high: &[f64], colour: Colour) {
-        let lower = x.iter().zip(low).map(|(&x, &y)| self.at(x, y));
-        let upper = x.iter().zip(high).rev().map(|(&x, &y)| self.at(x, y));
-        d.area(&lower.chain(upper).collect::<Vec<_>>(), colour);
+        let rows: Vec<[f64; 3]> = x.iter().zip(low).zip(high).map(|((&x, &a), &b)| [x, a, b]).collect();
+        for part in rows.split(|row| row.iter().any(|v| !v.is_finite())) {
+            let lower = part.iter().map(|r| self.at(r[0], r[1]));
+            let upper = part.iter().rev().map(|r| self.at(r[0], r[2]));
+            d.area(&lower.chain(upper).collect::<Vec<_>>(), colour);
+        }
     }
 
     /// A dashed horizontal line at a value.

@@ -3,8 +3,8 @@
 use super::colours::{BLACK, Colour, GREY, PALE, PALETTE, viridis};
 use super::drawing::{Anchor, HAIR, LABEL, TITLE};
 use super::panel::{Axis, MARGIN, Panel, grid, legend, range};
-use super::units::{Scale, show};
-use super::{Drawing, Figure, Samples, WIDTH, slug, spread};
+use super::units::Scale;
+use super::{Drawing, Figure, Samples, WIDTH, clock, slug, spread};
 use crate::statistics::{mean, quantile};
 use crate::tables::ProbeRows;
 
@@ -63,7 +63,7 @@ fn cartesian(samples: &Samples, name: &str) -> Option<Figure> {
             let s = closed(&b.s, 2.0 * std::f64::consts::PI);
             p.band(&mut d, &s, &closed(&b.low, 0.0), &closed(&b.high, 0.0), colour.faint(0.15));
             p.curve(&mut d, &s, &closed(&b.mean, 0.0), 0.4, colour);
-            shown.push((show(b.time, "s"), colour, 0.5));
+            shown.push((clock(samples).show(b.time), colour, 0.5));
             realizations = b.realizations;
         }
         p.axes(&mut d, quantity);
@@ -136,7 +136,7 @@ fn polar(samples: &Samples, name: &str) -> Option<Figure> {
     }
     Some(Figure {
         name: format!("probe_{}_polar", slug(name)),
-        title: format!("{name} at {}", show(time, "s")),
+        title: format!("{name} at {}", clock(samples).show(time)),
         caption:
             "Mean (line) and 5 to 95 % of the realizations (shaded); the outer circle carries its value."
                 .into(),

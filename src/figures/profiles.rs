@@ -3,8 +3,7 @@
 use super::colours::{Colour, viridis};
 use super::fields::concentration;
 use super::panel::{Axis, MARGIN, Panel, grid, legend};
-use super::units::show;
-use super::{Figure, Samples, WIDTH, spread};
+use super::{Figure, Samples, WIDTH, clock, spread};
 
 /// Concentration of each species along x in the first realization.
 pub fn profiles(samples: &Samples) -> Option<Figure> {
@@ -39,7 +38,7 @@ pub fn profiles(samples: &Samples) -> Option<Figure> {
         for (n, (time, x, c)) in curves.iter().enumerate() {
             let colour = viridis(0.85 * n as f64 / 3.0);
             p.curve(&mut d, x, c, 0.3, colour);
-            shown.push((show(*time, "s"), colour, 0.5));
+            shown.push((clock(samples).show(*time), colour, 0.5));
         }
         p.axes(&mut d, &samples.species[k]);
     }

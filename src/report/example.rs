@@ -272,3 +272,18 @@ fn a_record_without_tables_still_makes_a_page() {
     write(dir.path()).unwrap();
     assert!(dir.path().join("report.html").exists());
 }
+
+#[test]
+fn one_and_three_dimensions_are_drawn() {
+    for (dimensions, figure) in [(1, "profiles"), (3, "field_L")] {
+        let dir = tempfile::tempdir().unwrap();
+        example(dir.path(), 2);
+        let mut record = read_record(dir.path()).unwrap();
+        record.domain.dimensions = dimensions;
+        record.domain.min.resize(dimensions, 0.0);
+        record.domain.max.resize(dimensions, 0.0);
+        write_record(dir.path(), &record).unwrap();
+        write(dir.path()).unwrap();
+        assert!(dir.path().join(format!("figures/{figure}.png")).exists(), "{figure}");
+    }
+}

@@ -51,17 +51,15 @@ fn inline(figure: &Figure, number: usize, folder: &Path) -> Result<String, RunEr
         let path = folder.join(format!("{}.png", figure.name));
         let bytes = std::fs::read(&path)
             .map_err(|e| RunError::File { path: path.display().to_string(), reason: e.to_string() })?;
-        format!(
-            "<img alt=\"{}\" style=\"width:{:.0}mm\" src=\"data:image/png;base64,{}\">",
-            escape(&figure.title),
-            figure.drawing.width,
-            base64::base64(&bytes)
-        )
+        let image = base64::base64(&bytes);
+        format!("<img alt=\"{}\" src=\"data:image/png;base64,{image}\">", escape(&figure.title))
     } else {
         figures::svg(&figure.drawing)
     };
     Ok(format!(
-        "<figure>{image}<figcaption><b>Figure {number}. {}.</b> {}</figcaption></figure>\n",
+        "<figure><div style=\"max-width:{:.0}mm\">{image}</div><figcaption><b>Figure {number}. {}.</b> {}</figcaption></figure>\n",
+        // On a screen a figure is read from further away than in print.
+        1.4 * figure.drawing.width,
         escape(&figure.title),
         escape(&figure.caption)
     ))

@@ -92,7 +92,7 @@ fn results(samples: &Samples) -> Option<String> {
     for c in (0..series.columns.len()).filter(|&c| series.columns.groups[c] == "all").take(6) {
         let s = Summary::of(&series.across(last, c));
         let spread = if several { format!(" ± {}", significant(s.sd, 2)) } else { String::new() };
-        parts.push(format!("{} {}{spread}", significant(s.mean, 5), series.columns.species[c]));
+        parts.push(format!("{} {}{spread}", series.columns.species[c], significant(s.mean, 5)));
     }
     if parts.is_empty() {
         return None;

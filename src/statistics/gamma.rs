@@ -2,6 +2,7 @@
 
 /// Coefficients of the Lanczos approximation with g = 7, n = 9: P. Godfrey, "A note on the computation of the
 /// convergent Lanczos complex gamma approximation" (2001).
+#[allow(clippy::excessive_precision)] // digits as published
 const LANCZOS: [f64; 9] = [
     0.999_999_999_999_809_93,
     676.520_368_121_885_1,

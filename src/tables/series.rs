@@ -187,4 +187,26 @@ mod tests {
         write_series(dir.path(), &t.times, &t.columns, &[]).unwrap();
         assert!(read_series(dir.path()).unwrap().blocks.is_empty());
     }
+
+    #[test]
+    #[ignore = "1.5 million rows; for timing"]
+    fn a_large_ensemble_is_written_and_read() {
+        let dir = tempfile::tempdir().unwrap();
+        let columns =
+            Columns { groups: vec!["all".into(); 3], species: ["A", "B", "C"].map(String::from).to_vec() };
+        let times: Vec<f64> = (0..51).map(f64::from).collect();
+        let block = |realization: u32| SeriesBlock {
+            realization,
+            amount: (0..153).map(|k| f64::from((k * 7919 + realization * 104_729) % 1000)).collect(),
+            concentration: vec![1e-6; 153],
+        };
+        let blocks: Vec<SeriesBlock> = (0..10_000).map(block).collect();
+        let clock = std::time::Instant::now();
+        write_series(dir.path(), &times, &columns, &blocks).unwrap();
+        let written = clock.elapsed();
+        let back = read_series(dir.path()).unwrap();
+        let size = std::fs::metadata(dir.path().join("tables/series.parquet")).unwrap().len();
+        eprintln!("written in {written:?}, read in {:?}, {size} bytes", clock.elapsed() - written);
+        assert_eq!(back.blocks, blocks);
+    }
 }
