@@ -8,7 +8,8 @@ use crate::fluid::kernel::KernelKind;
 use crate::fluid::motion::Motion;
 use crate::vector::Vector;
 
-/// Signed distance to a surface, m: negative inside the solid. In the frame of the body at t = 0.
+/// Signed distance to a surface, m: negative inside the solid. In the frame of the body at t = 0, asked for points
+/// inside the box; a surface that reaches over a periodic end must itself know of its images.
 pub type Surface<const D: usize> = Arc<dyn Fn(&Vector<D>) -> f64 + Send + Sync>;
 
 /// Everything a [`Flow`](crate::fluid::Flow) is built from.
