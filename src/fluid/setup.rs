@@ -150,6 +150,7 @@ impl<const D: usize> Setup<D> {
     /// The sound speed that keeps the density within about 1 %, m/s:
     /// c0² = max((10 U)², 100 p/rho0, 100 |g| H) with p of [`Setup::expected_pressure`] and H the extent of
     /// the box along g where walls bear the weight (on periodic axes the fluid falls freely and none is needed).
+    /// A flow raises it up to threefold as long as friction, not sound, limits its step.
     #[must_use]
     pub fn automatic_sound_speed(&self) -> f64 {
         let (rho, _) = self.lightest_and_stickiest();
