@@ -4,8 +4,9 @@ use crate::fluid::flow::Flow;
 use crate::fluid::terms::viscosity;
 use crate::random::mix;
 
-/// Share of the linear stability limit of friction that is used.
-const VISCOUS_SAFETY: f64 = 0.8;
+/// Share of the linear stability limit of friction that is used; the eigenvalue is that of the start. Measured: a
+/// channel with no-slip walls and an obstacle at Re = 0.025 blew up after 16 000 steps with 0.8, ran 92 000 with 0.6.
+const VISCOUS_SAFETY: f64 = 0.6;
 /// Rounds of power iteration for the largest eigenvalue of friction; it comes from below, by a few per cent.
 const ROUNDS: u64 = 60;
 
@@ -20,7 +21,7 @@ pub struct StepLimit {
 
 impl<const D: usize> Flow<D> {
     /// The longest stable step at the present state and what limits it:
-    /// sound dt = C h/(c0 + U); viscosity 0.8 · 2/λ, λ the largest eigenvalue of the viscous operator (kick-
+    /// sound dt = C h/(c0 + U); viscosity 0.6 · 2/λ, λ the largest eigenvalue of the viscous operator (kick-
     /// drift-kick is forward Euler for friction); body force dt = ¼ √(h/g); shift dt = 0.1 h/(A U).
     #[must_use]
     pub fn step_limit(&self) -> StepLimit {
@@ -174,7 +175,7 @@ mod tests {
                     for jitter in [0.0, 0.15] {
                         let value = eigenvalue(&mut square(kernel, ratio, walls, jitter));
                         // Above one by what 60 rounds leave and walls add, below by rounding only; stable to
-                        // 1.25 with the safety of 0.8.
+                        // 1.67 with the safety of 0.6.
                         assert!(
                             (0.99..1.06).contains(&value),
                             "{kernel:?} {ratio} {walls} {jitter}: {value}"

@@ -8,7 +8,8 @@ use crate::fluid::kernel::KernelKind;
 use crate::fluid::motion::Motion;
 use crate::vector::Vector;
 
-/// Signed distance to a surface, m: negative inside the solid. In the frame of the body at t = 0.
+/// Signed distance to a surface, m: negative inside the solid. In the frame of the body at t = 0, asked for points
+/// inside the box; a surface that reaches over a periodic end must itself know of its images.
 pub type Surface<const D: usize> = Arc<dyn Fn(&Vector<D>) -> f64 + Send + Sync>;
 
 /// Everything a [`Flow`](crate::fluid::Flow) is built from.
@@ -149,6 +150,7 @@ impl<const D: usize> Setup<D> {
     /// The sound speed that keeps the density within about 1 %, m/s:
     /// c0² = max((10 U)², 100 p/rho0, 100 |g| H) with p of [`Setup::expected_pressure`] and H the extent of
     /// the box along g where walls bear the weight (on periodic axes the fluid falls freely and none is needed).
+    /// A flow raises it up to threefold as long as friction, not sound, limits its step.
     #[must_use]
     pub fn automatic_sound_speed(&self) -> f64 {
         let (rho, _) = self.lightest_and_stickiest();

@@ -1,9 +1,10 @@
 //! Walls: the velocity and pressure solids show to the fluid, and how fluid particles are kept out of them.
 
 use crate::fluid::domain::Domain;
+use crate::fluid::motion::Motion;
 use crate::fluid::neighbours::Block;
 use crate::fluid::particles::{Own, Side};
-use crate::fluid::setup::{Body, BodyKind};
+use crate::fluid::setup::{Body, BodyKind, Surface};
 use crate::vector::Vector;
 
 /// What a solid particle shows to the fluid in the force sweep.
@@ -134,7 +135,7 @@ impl<const D: usize> Obstacles<'_, D> {
             let mut clear = true;
             for body in self.bodies {
                 let BodyKind::Solid { motion, surface: Some(surface), .. } = &body.kind else { continue };
-                let distance = |x: &Vector<D>| surface(&motion.origin(&self.domain.wrap(x), self.time));
+                let distance = |x: &Vector<D>| self.distance(motion, surface, x);
                 let depth = -distance(place);
                 if depth <= 0.0 {
                     continue;
@@ -163,11 +164,16 @@ impl<const D: usize> Obstacles<'_, D> {
         }
         *inside = self.bodies.iter().any(|body| match &body.kind {
             BodyKind::Solid { motion, surface: Some(surface), .. } => {
-                surface(&motion.origin(&self.domain.wrap(place), self.time)) < 0.0
+                self.distance(motion, surface, place) < 0.0
             }
             _ => false,
         });
         bounced
+    }
+
+    /// Signed distance of a place to a body of now, m; the body is asked in its own frame, inside the box.
+    fn distance(&self, motion: &Motion<D>, surface: &Surface<D>, place: &Vector<D>) -> f64 {
+        surface(&self.domain.wrap(&motion.origin(&self.domain.wrap(place), self.time)))
     }
 
     /// Mirrors a place beyond a wall of the box at that wall. Further than half a box out it is left there, for
@@ -205,7 +211,6 @@ pub fn carry<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fluid::motion::Motion;
     use crate::fluid::setup::Slip;
     use std::sync::Arc;
 
