@@ -86,7 +86,13 @@ pub fn empty(plan: &Plan, record: RunRecord) -> Results {
 }
 
 /// Puts what a block came to into its record: status, checks, costs. The blocks are already in the results.
-pub fn conclude(plan: &Plan, results: &mut Results, tally: &Tally, error: Option<&RunError>, interrupted: bool) {
+pub fn conclude(
+    plan: &Plan,
+    results: &mut Results,
+    tally: &Tally,
+    error: Option<&RunError>,
+    interrupted: bool,
+) {
     let record = &mut results.record;
     record.status = match (error, interrupted) {
         (Some(_), _) => "failed",
@@ -98,8 +104,14 @@ pub fn conclude(plan: &Plan, results: &mut Results, tally: &Tally, error: Option
     let whole = results.times.len() == record.times.len();
     record.finished = if whole { results.blocks.len() as u32 } else { 0 };
     record.steps = tally.steps.clone();
-    let supplied: BTreeMap<String, f64> =
-        plan.reactor.species.iter().cloned().zip(tally.supplied.iter().copied()).filter(|(_, n)| *n != 0.0).collect();
+    let supplied: BTreeMap<String, f64> = plan
+        .reactor
+        .species
+        .iter()
+        .cloned()
+        .zip(tally.supplied.iter().copied())
+        .filter(|(_, n)| *n != 0.0)
+        .collect();
     let conservation = conservation(plan, &results.columns, &results.blocks, &supplied);
     let flow = tally.flow.as_ref();
     record.health = Health {
@@ -162,14 +174,20 @@ fn conservation(
             let open: Vec<&str> = coefficients
                 .iter()
                 .enumerate()
-                .filter(|(s, c)| **c != 0.0 && (held.contains(s) || supplied.contains_key(&plan.reactor.species[*s])))
+                .filter(|(s, c)| {
+                    **c != 0.0 && (held.contains(s) || supplied.contains_key(&plan.reactor.species[*s]))
+                })
                 .map(|(s, _)| plan.reactor.species[s].as_str())
                 .collect();
             ConservationRecord {
                 sum,
                 start: blocks.first().and_then(|b| b.amount.get(..width)).map_or(0.0, value),
                 largest_deviation: largest,
-                exempt: if open.is_empty() { String::new() } else { format!("reservoirs supply {}", open.join(", ")) },
+                exempt: if open.is_empty() {
+                    String::new()
+                } else {
+                    format!("reservoirs supply {}", open.join(", "))
+                },
             }
         })
         .collect()
@@ -183,7 +201,9 @@ fn held_species(plan: &Plan) -> BTreeSet<usize> {
         .conditions
         .iter()
         .flat_map(|condition| match &condition.what {
-            What::Sponge { species, .. } | What::Held { species, .. } => species.iter().map(|(s, _)| *s).collect(),
+            What::Sponge { species, .. } | What::Held { species, .. } => {
+                species.iter().map(|(s, _)| *s).collect()
+            }
             _ => Vec::new(),
         })
         .collect()
@@ -236,9 +256,15 @@ fn domain(plan: &Plan) -> DomainRecord {
                 .map(|(g, group)| {
                     let (particles, volume) = match &plan.arena {
                         Arena::Compartments(_) => (0, 0.0),
-                        Arena::Line(p) => counts(&p.home, &mut p.particles.iter().map(|q| q.volume * p.thickness), g),
-                        Arena::Plane(p) => counts(&p.home, &mut p.particles.iter().map(|q| q.volume * p.thickness), g),
-                        Arena::Space(p) => counts(&p.home, &mut p.particles.iter().map(|q| q.volume * p.thickness), g),
+                        Arena::Line(p) => {
+                            counts(&p.home, &mut p.particles.iter().map(|q| q.volume * p.thickness), g)
+                        }
+                        Arena::Plane(p) => {
+                            counts(&p.home, &mut p.particles.iter().map(|q| q.volume * p.thickness), g)
+                        }
+                        Arena::Space(p) => {
+                            counts(&p.home, &mut p.particles.iter().map(|q| q.volume * p.thickness), g)
+                        }
                     };
                     GroupRecord {
                         name: group.name.clone(),
@@ -283,7 +309,7 @@ fn domain(plan: &Plan) -> DomainRecord {
 /// Conditions in words.
 #[must_use]
 pub fn conditions(model: &Model) -> Vec<String> {
-    use crate::model::conditions::{What, WallName};
+    use crate::model::conditions::{WallName, What};
     use crate::model::domain::axis_name;
     let Domain::Particles(domain) = &model.domain else { return Vec::new() };
     let group = |g: usize| domain.groups[g].name.as_str();
@@ -310,11 +336,16 @@ pub fn conditions(model: &Model) -> Vec<String> {
                     words
                 }
                 What::Held { group: g, species: list, deal } => {
-                    let how = if *deal == crate::model::Deal::Poisson { "with a Poisson number" } else { "at a fixed number" };
+                    let how = if *deal == crate::model::Deal::Poisson {
+                        "with a Poisson number"
+                    } else {
+                        "at a fixed number"
+                    };
                     format!("{} held in {} {how}", species(list), group(*g))
                 }
                 What::Source { group: g, species: list } => {
-                    let names: Vec<&str> = list.iter().map(|(s, _)| model.network.species[*s].name.as_str()).collect();
+                    let names: Vec<&str> =
+                        list.iter().map(|(s, _)| model.network.species[*s].name.as_str()).collect();
                     format!("source of {} in {}", names.join(", "), group(*g))
                 }
                 What::Barrier { axis, at } => {

@@ -82,7 +82,12 @@ impl Results {
 }
 
 /// ParaView files of a realization below `vtk/`: one `.vtu` per output time and a `.pvd` that lists them.
-fn write_vtk(dir: &Path, realization: u32, frames: &[ParticleFrame], species: &[String]) -> Result<(), RunError> {
+fn write_vtk(
+    dir: &Path,
+    realization: u32,
+    frames: &[ParticleFrame],
+    species: &[String],
+) -> Result<(), RunError> {
     let folder = dir.join("vtk");
     let mut listed = Vec::new();
     for (k, frame) in frames.iter().enumerate() {

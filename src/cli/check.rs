@@ -45,8 +45,15 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     line(format!("{}: {}", record.name, record.description));
     line(format!("\nspecies ({})", record.species.len()));
     for species in &record.species {
-        let place = if species.only_in.is_empty() { String::new() } else { format!(", only in {}", species.only_in.join(", ")) };
-        line(format!("  {:<12} {}, diffusivity {:.4e} m²/s{place}", species.name, species.representation, species.diffusion));
+        let place = if species.only_in.is_empty() {
+            String::new()
+        } else {
+            format!(", only in {}", species.only_in.join(", "))
+        };
+        line(format!(
+            "  {:<12} {}, diffusivity {:.4e} m²/s{place}",
+            species.name, species.representation, species.diffusion
+        ));
     }
     line(format!("\nreactions ({})", record.reactions.len()));
     for reaction in &record.reactions {
@@ -64,7 +71,12 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
         let size = if group.material == "zone" {
             "a zone that particles pass through".to_string()
         } else {
-            format!("{} {}, {:.4e} m³", group.particles, if record.domain.kind == "particles" { "particles" } else { "volume" }, group.volume)
+            format!(
+                "{} {}, {:.4e} m³",
+                group.particles,
+                if record.domain.kind == "particles" { "particles" } else { "volume" },
+                group.volume
+            )
         };
         line(format!("  {:<12} {:<7} {size}  {}", group.name, group.material, group.shape));
     }
@@ -78,7 +90,10 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     line(format!("\nmethod: {}", record.steps.method));
     for (what, step) in [("fluid", &record.steps.fluid), ("chemistry", &record.steps.chemistry)] {
         if let Some(step) = step {
-            line(format!("  {what} step {:.4e} s, {} steps, limited by {}", step.step, step.count, step.limited_by));
+            line(format!(
+                "  {what} step {:.4e} s, {} steps, limited by {}",
+                step.step, step.count, step.limited_by
+            ));
         }
     }
     for approximation in &record.steps.approximations {
@@ -102,10 +117,10 @@ fn run_time(plan: &Plan, steps: &crate::record::StepsRecord, voxels: f64, neighb
         return String::new();
     }
     let cores = std::thread::available_parallelism().map_or(1.0, |n| n.get() as f64);
-    let fluid = steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
+    let fluid =
+        steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
     let chemistry = steps.chemistry.as_ref().map_or(0.0, |s| {
         s.count as f64 * voxels * f64::from(plan.model.run.realizations) / VOXEL_STEPS_PER_SECOND
     });
     format!(", roughly {:.0} s on {cores} cores", ((fluid + chemistry) / cores).max(1.0))
 }
-

@@ -72,8 +72,10 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     } else {
         clear(&dir)?;
     }
-    let wanted: Vec<u32> =
-        block.clone().filter(|r| results.blocks.binary_search_by_key(r, |b| b.realization).is_err()).collect();
+    let wanted: Vec<u32> = block
+        .clone()
+        .filter(|r| results.blocks.binary_search_by_key(r, |b| b.realization).is_err())
+        .collect();
     if !options.quiet {
         announce(&plan, &results, &wanted, &dir, threads);
     }
@@ -99,9 +101,16 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
 /// Realizations asked for: `N`, or `A..B`.
 fn block(text: Option<&str>, usual: u32) -> Result<Range<u32>, Fault> {
     let Some(text) = text else { return Ok(0..usual) };
-    let wrong = |reason: String| Fault::general(reason, "give a number, e.g. --realizations 100, or a block, e.g. --realizations 100..200");
+    let wrong = |reason: String| {
+        Fault::general(
+            reason,
+            "give a number, e.g. --realizations 100, or a block, e.g. --realizations 100..200",
+        )
+    };
     let number = |part: &str| -> Result<u32, Fault> {
-        part.trim().parse().map_err(|_| wrong(format!("--realizations {text}: `{part}` is no whole number of realizations")))
+        part.trim()
+            .parse()
+            .map_err(|_| wrong(format!("--realizations {text}: `{part}` is no whole number of realizations")))
     };
     let block = match text.split_once("..") {
         Some((from, to)) => number(from)?..number(to)?,
@@ -121,9 +130,10 @@ fn block(text: Option<&str>, usual: u32) -> Result<Range<u32>, Fault> {
 
 fn threads(asked: Option<usize>) -> Result<usize, Fault> {
     match asked {
-        Some(n) if n == 0 || n > 4096 => {
-            Err(Fault::general(format!("--threads {n}"), "give a number from 1 to 4096, or leave it out for all cores"))
-        }
+        Some(n) if n == 0 || n > 4096 => Err(Fault::general(
+            format!("--threads {n}"),
+            "give a number from 1 to 4096, or leave it out for all cores",
+        )),
         Some(n) => Ok(n),
         None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
     }
@@ -138,7 +148,9 @@ fn folder(dir: &Path, options: &Options) -> Result<Option<Results>, Stop> {
     let empty = !dir.exists() || dir.read_dir().is_ok_and(|mut entries| entries.next().is_none());
     if empty {
         if options.resume {
-            return Err(Fault::general(format!("{shown} holds no run to resume"), "leave out --resume").into());
+            return Err(
+                Fault::general(format!("{shown} holds no run to resume"), "leave out --resume").into()
+            );
         }
         return Ok(None);
     }
@@ -151,10 +163,15 @@ fn folder(dir: &Path, options: &Options) -> Result<Option<Results>, Stop> {
     }
     if record.status == "finished" {
         let reason = format!("{shown} already holds a finished run");
-        return Err(Fault::general(reason, "name another folder with --out, or replace it with --force").into());
+        return Err(
+            Fault::general(reason, "name another folder with --out, or replace it with --force").into()
+        );
     }
     if !options.resume {
-        let reason = format!("{shown} holds a run that is {} ({} realizations finished)", record.status, record.finished);
+        let reason = format!(
+            "{shown} holds a run that is {} ({} realizations finished)",
+            record.status, record.finished
+        );
         return Err(Fault::general(reason, "finish it with --resume, or replace it with --force").into());
     }
     if !dir.join("tables/series.parquet").exists() {
@@ -210,11 +227,12 @@ fn clear(dir: &Path) -> Result<(), RunError> {
     };
     for name in ["run.json", "report.html", "tables", "figures", "vtk", "checkpoint"] {
         let path = dir.join(name);
-        let removed = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
-        if let Err(error) = removed {
-            if error.kind() != std::io::ErrorKind::NotFound {
-                return Err(file_error(&path, error));
-            }
+        let removed =
+            if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+        if let Err(error) = removed
+            && error.kind() != std::io::ErrorKind::NotFound
+        {
+            return Err(file_error(&path, error));
         }
     }
     std::fs::create_dir_all(dir.join("tables")).map_err(|error| file_error(dir, error))

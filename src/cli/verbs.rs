@@ -10,7 +10,11 @@ use std::path::{Path, PathBuf};
 
 pub(crate) fn report(dir: &Path) -> Result<(), Stop> {
     if !dir.join("run.json").exists() {
-        return Err(Fault::general(format!("{} holds no run", dir.display()), "name the folder of a run, e.g. reports/birth_death").into());
+        return Err(Fault::general(
+            format!("{} holds no run", dir.display()),
+            "name the folder of a run, e.g. reports/birth_death",
+        )
+        .into());
     }
     report::write(dir)?;
     eprintln!("report: {}", dir.join("report.html").display());
@@ -24,11 +28,17 @@ pub(crate) fn merge(out: &Path, blocks: &[PathBuf], force: bool) -> Result<(), S
         if dir.join("run.json").exists() {
             parts.push((dir.display().to_string(), Results::read(dir)?));
         } else {
-            faults.push(Fault::general(format!("{} holds no run", dir.display()), "name folders of finished blocks"));
+            faults.push(Fault::general(
+                format!("{} holds no run", dir.display()),
+                "name folders of finished blocks",
+            ));
         }
     }
     if out.join("run.json").exists() && !force {
-        faults.push(Fault::general(format!("{} already holds a run", out.display()), "name another folder, or add --force"));
+        faults.push(Fault::general(
+            format!("{} already holds a run", out.display()),
+            "name another folder, or add --force",
+        ));
     }
     if !faults.is_empty() {
         return Err(crate::error::ModelError { faults }.into());
@@ -54,9 +64,9 @@ fn copy_particles(from: &Path, to: &Path) -> Result<(), RunError> {
     for (realization, part, path) in tables::list_particles(from) {
         let folder = to.join(format!("tables/particles/realization={realization:04}"));
         let target = folder.join(format!("part-{part:05}.parquet"));
-        std::fs::create_dir_all(&folder)
-            .and_then(|()| std::fs::copy(&path, &target))
-            .map_err(|error| RunError::File { path: target.display().to_string(), reason: error.to_string() })?;
+        std::fs::create_dir_all(&folder).and_then(|()| std::fs::copy(&path, &target)).map_err(|error| {
+            RunError::File { path: target.display().to_string(), reason: error.to_string() }
+        })?;
     }
     Ok(())
 }
@@ -90,7 +100,10 @@ pub(crate) fn validate(names: &[String], list: bool, full: bool) -> Result<(), S
             Some(case) => chosen.push(case),
             None => {
                 let known: Vec<&str> = validation::CASES.iter().map(|case| case.name).collect();
-                faults.push(Fault::general(format!("unknown case `{name}`"), format!("the cases are: {}", known.join(", "))));
+                faults.push(Fault::general(
+                    format!("unknown case `{name}`"),
+                    format!("the cases are: {}", known.join(", ")),
+                ));
             }
         }
     }

@@ -48,7 +48,8 @@ fn square<const D: usize>(
     let spacing = region.spacing;
     let (low, high) = region.shape.bounds(&embed(min), &embed(max));
     // Cells of the grid that may hold a centre inside the region.
-    let first: [i64; D] = std::array::from_fn(|k| ((low[k] - min[k]) / spacing - 0.5).floor().max(0.0) as i64);
+    let first: [i64; D] =
+        std::array::from_fn(|k| ((low[k] - min[k]) / spacing - 0.5).floor().max(0.0) as i64);
     let cells: [i64; D] = std::array::from_fn(|k| ((max[k] - min[k]) / spacing).round() as i64);
     let last: [i64; D] =
         std::array::from_fn(|k| cells[k].min(((high[k] - min[k]) / spacing + 0.5).ceil() as i64));
@@ -117,7 +118,13 @@ mod tests {
 
     #[test]
     fn a_square_lattice_fills_its_box_exactly() {
-        let region = Fill { shape: &Shape::EverythingElse, without: vec![], lattice: Lattice::Square, spacing: 0.1, jitter: 0.0 };
+        let region = Fill {
+            shape: &Shape::EverythingElse,
+            without: vec![],
+            lattice: Lattice::Square,
+            spacing: 0.1,
+            jitter: 0.0,
+        };
         let mut random = stream(1, 0, Purpose::Placement);
         let found = fill::<2>(&region, &[0.0, 0.0].into(), &[2.0, 1.0].into(), &mut random);
         assert_eq!(found.len(), 200);
@@ -129,8 +136,10 @@ mod tests {
     #[test]
     fn rings_share_the_exact_area() {
         let shape = Shape::Shell { centre: [1.0, 1.0, 0.0].into(), inner: 0.3, outer: 0.5 };
-        let region = Fill { shape: &shape, without: vec![], lattice: Lattice::Rings, spacing: 0.07, jitter: 0.0 };
-        let found = fill::<2>(&region, &[0.0, 0.0].into(), &[2.0, 2.0].into(), &mut stream(1, 0, Purpose::Placement));
+        let region =
+            Fill { shape: &shape, without: vec![], lattice: Lattice::Rings, spacing: 0.07, jitter: 0.0 };
+        let found =
+            fill::<2>(&region, &[0.0, 0.0].into(), &[2.0, 2.0].into(), &mut stream(1, 0, Purpose::Placement));
         let exact = std::f64::consts::PI * (0.25 - 0.09);
         assert!((found.iter().map(|p| p.1).sum::<f64>() / exact - 1.0).abs() < 1e-12);
         assert!(found.iter().all(|(x, _)| shape.holds(&embed(x))));

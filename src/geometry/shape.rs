@@ -65,10 +65,9 @@ impl Shape {
             Shape::Union(parts) => {
                 parts.iter().map(|part| part.signed_distance(x)).fold(f64::INFINITY, f64::min)
             }
-            Shape::Difference(whole, holes) => holes
-                .iter()
-                .map(|hole| -hole.signed_distance(x))
-                .fold(whole.signed_distance(x), f64::max),
+            Shape::Difference(whole, holes) => {
+                holes.iter().map(|hole| -hole.signed_distance(x)).fold(whole.signed_distance(x), f64::max)
+            }
         }
     }
 
@@ -87,9 +86,10 @@ impl Shape {
             Shape::Ball { centre, radius: reach } | Shape::Shell { centre, outer: reach, .. } => {
                 (centre.add_scalar(-reach), centre.add_scalar(*reach))
             }
-            Shape::Union(parts) => {
-                parts.iter().map(|part| part.bounds(min, max)).fold((*max, *min), |a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
-            }
+            Shape::Union(parts) => parts
+                .iter()
+                .map(|part| part.bounds(min, max))
+                .fold((*max, *min), |a, b| (a.0.inf(&b.0), a.1.sup(&b.1))),
             Shape::Difference(whole, _) => whole.bounds(min, max),
         };
         (low.sup(min), high.inf(max))
@@ -110,7 +110,13 @@ impl Shape {
             Shape::EverythingElse | Shape::HalfSpace { .. } => Vec::new(),
             Shape::Box { .. } => {
                 let (low, high) = self.bounds(min, max);
-                let corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]], [low[0], low[1]]];
+                let corners = [
+                    [low[0], low[1]],
+                    [high[0], low[1]],
+                    [high[0], high[1]],
+                    [low[0], high[1]],
+                    [low[0], low[1]],
+                ];
                 vec![corners.to_vec()]
             }
             Shape::Ball { centre, radius } => vec![circle(centre, *radius)],
@@ -128,13 +134,14 @@ impl Shape {
     #[must_use]
     pub fn words(&self, dimensions: usize) -> String {
         let um = |v: f64| format!("{}", (v * 1e6 * 1e6).round() / 1e6);
-        let place = |v: &Vector<3>| {
-            format!("({})", (0..dimensions).map(|k| um(v[k])).collect::<Vec<_>>().join(", "))
-        };
+        let place =
+            |v: &Vector<3>| format!("({})", (0..dimensions).map(|k| um(v[k])).collect::<Vec<_>>().join(", "));
         match self {
             Shape::EverythingElse => "everything else".into(),
             Shape::Box { min, max } => format!("box {} to {} µm", place(min), place(max)),
-            Shape::Ball { centre, radius } => format!("disc or ball, centre {}, radius {} µm", place(centre), um(*radius)),
+            Shape::Ball { centre, radius } => {
+                format!("disc or ball, centre {}, radius {} µm", place(centre), um(*radius))
+            }
             Shape::Shell { centre, inner, outer } => {
                 format!("ring or shell, centre {}, radii {} to {} µm", place(centre), um(*inner), um(*outer))
             }

@@ -125,7 +125,11 @@ fn sponge(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut 
     fields.finish(faults);
     for (_, amount) in &species {
         if !matches!(amount, Amount::Concentration(_) | Amount::Field(_)) {
-            faults.at(&node.place, "a sponge draws towards a concentration", "give it with a unit, e.g. L: 1 uM");
+            faults.at(
+                &node.place,
+                "a sponge draws towards a concentration",
+                "give it with a unit, e.g. L: 1 uM",
+            );
             return None;
         }
     }
@@ -145,7 +149,10 @@ fn held(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Fa
     if domain.groups[group].material == Material::Zone && domain.fluid.is_some() {
         faults.at(
             &node.place,
-            format!("`{}` is a zone that particles pass through; amounts cannot be held in it", domain.groups[group].name),
+            format!(
+                "`{}` is a zone that particles pass through; amounts cannot be held in it",
+                domain.groups[group].name
+            ),
             "use a sponge with a large rate",
         );
         return None;
@@ -175,7 +182,8 @@ fn source(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut 
 
 fn barrier(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<What> {
     let mut fields = Fields::of(node, "barrier", faults)?;
-    let axis = fields.required("axis", faults).and_then(|n| n.choice(&[("x", 0), ("y", 1), ("z", 2)], faults));
+    let axis =
+        fields.required("axis", faults).and_then(|n| n.choice(&[("x", 0), ("y", 1), ("z", 2)], faults));
     let at = fields.required("at", faults).and_then(|n| n.quantity(Dimension::LENGTH, faults));
     fields.finish(faults);
     let (axis, at) = (axis?, at?);

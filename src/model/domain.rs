@@ -156,7 +156,8 @@ pub fn read(sections: &Sections, network: &Network, faults: &mut Faults) -> Opti
     }
     match kind {
         Kind::WellMixed => {
-            let volume = fields.required("volume", faults).and_then(|n| n.positive(Dimension::VOLUME, faults));
+            let volume =
+                fields.required("volume", faults).and_then(|n| n.positive(Dimension::VOLUME, faults));
             fields.finish(faults);
             Some(Domain::WellMixed { volume: volume? })
         }
@@ -176,7 +177,11 @@ fn graph(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
     let volumes: Vec<Option<f64>> =
         volumes_node.list(faults)?.iter().map(|n| n.positive(Dimension::VOLUME, faults)).collect();
     if volumes.is_empty() {
-        faults.at(&volumes_node.place, "a graph needs at least one volume", "for example volumes: [1 fL, 0.25 fL]");
+        faults.at(
+            &volumes_node.place,
+            "a graph needs at least one volume",
+            "for example volumes: [1 fL, 0.25 fL]",
+        );
         return None;
     }
     let mut names: Vec<String> = (0..volumes.len()).map(|i| i.to_string()).collect();
@@ -186,7 +191,11 @@ fn graph(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
             for (i, item) in given.iter().enumerate() {
                 if let Some(name) = item.text(faults) {
                     if name == "all" || names[..i].iter().any(|other| other == name) {
-                        faults.at(&item.place, format!("the name `{name}` is taken"), "names must differ, and `all` is the sum");
+                        faults.at(
+                            &item.place,
+                            format!("the name `{name}` is taken"),
+                            "names must differ, and `all` is the sum",
+                        );
                     }
                     names[i] = name.to_string();
                 }
@@ -207,10 +216,10 @@ fn graph(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
                 continue;
             };
             let mut end = |n: &Node| -> Option<usize> {
-                if let super::node::Value::Text(name) = &n.value {
-                    if let Some(i) = names.iter().position(|known| known == name) {
-                        return Some(i);
-                    }
+                if let super::node::Value::Text(name) = &n.value
+                    && let Some(i) = names.iter().position(|known| known == name)
+                {
+                    return Some(i);
                 }
                 let i = n.integer(faults)?;
                 if i < 0 || i as usize >= volumes.len() {
@@ -305,7 +314,8 @@ pub fn axis_name(axis: usize) -> &'static str {
 fn boundaries(node: Option<&Node>, d: usize, faults: &mut Faults) -> Option<Vec<Boundary>> {
     let mut found = vec![Boundary::NoSlip; d];
     let Some(node) = node else { return Some(found) };
-    let kinds = [("periodic", Boundary::Periodic), ("no_slip", Boundary::NoSlip), ("free_slip", Boundary::FreeSlip)];
+    let kinds =
+        [("periodic", Boundary::Periodic), ("no_slip", Boundary::NoSlip), ("free_slip", Boundary::FreeSlip)];
     let mut fields = Fields::of(node, "boundaries", faults)?;
     for (axis, slot) in found.iter_mut().enumerate() {
         if let Some(choice) = fields.optional(axis_name(axis)).and_then(|n| n.choice(&kinds, faults)) {
@@ -329,7 +339,11 @@ fn layout(node: Option<&Node>, domain: &Node, faults: &mut Faults) -> Option<(f6
     let spacing = fields.required("spacing", faults).and_then(|n| n.positive(Dimension::LENGTH, faults));
     let kernel = fields.optional("kernel").map(|n| {
         n.choice(
-            &[("lucy", KernelKind::Lucy), ("cubic_spline", KernelKind::CubicSpline), ("wendland", KernelKind::Wendland)],
+            &[
+                ("lucy", KernelKind::Lucy),
+                ("cubic_spline", KernelKind::CubicSpline),
+                ("wendland", KernelKind::Wendland),
+            ],
             faults,
         )
     });
@@ -388,9 +402,16 @@ fn groups(
         }
     }
     if found.len() > 60 {
-        faults.at(&node.place, format!("{} groups; at most 60 are possible", found.len()), "join some of them");
+        faults.at(
+            &node.place,
+            format!("{} groups; at most 60 are possible", found.len()),
+            "join some of them",
+        );
     }
-    let rest = found.iter().filter(|group| group.shape == Shape::EverythingElse && group.material != Material::Zone).count();
+    let rest = found
+        .iter()
+        .filter(|group| group.shape == Shape::EverythingElse && group.material != Material::Zone)
+        .count();
     if rest > 1 {
         faults.at(&node.place, "two groups are `everything_else`", "only one group can take what is left");
     }
@@ -447,7 +468,11 @@ fn group(
             lattice = n.choice(&[("square", Lattice::Square), ("rings", Lattice::Rings)], faults)?;
             let round = matches!(shape, Some(Shape::Ball { .. } | Shape::Shell { .. }) | None);
             if lattice == Lattice::Rings && (d != 2 || !round) {
-                faults.at(&n.place, "a lattice of rings needs a disc or ring in 2 dimensions", "use lattice: square");
+                faults.at(
+                    &n.place,
+                    "a lattice of rings needs a disc or ring in 2 dimensions",
+                    "use lattice: square",
+                );
             }
         }
         if let Some(n) = fields.optional("spacing") {
@@ -456,7 +481,11 @@ fn group(
         if let Some(n) = fields.optional("jitter") {
             jitter = n.number(faults)?;
             if !(0.0..=0.4).contains(&jitter) {
-                faults.at(&n.place, format!("a jitter of {jitter} spacings"), "jitter lies between 0 and 0.4");
+                faults.at(
+                    &n.place,
+                    format!("a jitter of {jitter} spacings"),
+                    "jitter lies between 0 and 0.4",
+                );
             }
         }
         if let Some(n) = fields.optional("holds") {
@@ -477,7 +506,16 @@ fn group(
         MaterialName::Wall => Material::Wall { free_slip },
         MaterialName::Zone => Material::Zone,
     };
-    Some(Group { name: name.into(), material, shape: shape?, lattice, spacing, jitter, holds, place: place.clone() })
+    Some(Group {
+        name: name.into(),
+        material,
+        shape: shape?,
+        lattice,
+        spacing,
+        jitter,
+        holds,
+        place: place.clone(),
+    })
 }
 
 fn species_held(node: &Node, network: &Network, faults: &mut Faults) -> Option<Vec<usize>> {

@@ -155,7 +155,11 @@ pub fn amount(node: &Node, dimensions: usize, network: &Network, faults: &mut Fa
             }
         }
         _ => {
-            faults.at(&node.place, "an amount was expected", "a whole number of molecules, or a concentration such as 20 nM");
+            faults.at(
+                &node.place,
+                "an amount was expected",
+                "a whole number of molecules, or a concentration such as 20 nM",
+            );
             None
         }
     }
@@ -175,12 +179,22 @@ fn molecules(node: &Node, faults: &mut Faults) -> Option<f64> {
     Some(value)
 }
 
-fn concentration(text: &str, node: &Node, dimensions: usize, network: &Network, faults: &mut Faults) -> Option<Amount> {
+fn concentration(
+    text: &str,
+    node: &Node,
+    dimensions: usize,
+    network: &Network,
+    faults: &mut Faults,
+) -> Option<Amount> {
     if let Ok(quantity) = Quantity::parse(text) {
         if quantity.dimension == Dimension::AMOUNT {
             let count = quantity.value * AVOGADRO;
             if count < 0.0 || (count - count.round()).abs() > 1e-6 {
-                faults.at(&node.place, format!("{count} molecules"), "molecules are whole numbers, zero or more");
+                faults.at(
+                    &node.place,
+                    format!("{count} molecules"),
+                    "molecules are whole numbers, zero or more",
+                );
                 return None;
             }
             return Some(Amount::Molecules(count.round()));
@@ -195,9 +209,9 @@ fn concentration(text: &str, node: &Node, dimensions: usize, network: &Network, 
         // Let the reader of quantities say what is wrong.
         return node.non_negative(Dimension::CONCENTRATION, faults).map(Amount::Concentration);
     }
-    let compiled = Expression::parse(text, &node.place)
-        .map_err(|fault| vec![fault])
-        .and_then(|expression| expression.compile(&axes[..dimensions], &network.parameters, Dimension::CONCENTRATION));
+    let compiled = Expression::parse(text, &node.place).map_err(|fault| vec![fault]).and_then(|expression| {
+        expression.compile(&axes[..dimensions], &network.parameters, Dimension::CONCENTRATION)
+    });
     match compiled {
         Ok(program) => Some(Amount::Field(program)),
         Err(found) => {

@@ -48,8 +48,11 @@ pub fn document(path: &Path, overrides: &[String]) -> Result<Document, ModelErro
             _ => Err(faults.into_error()),
         };
     }
-    let mut text =
-        ModelText { hash: String::new(), files: vec![(source.path.clone(), source.text.clone())], overrides: overrides.to_vec() };
+    let mut text = ModelText {
+        hash: String::new(),
+        files: vec![(source.path.clone(), source.text.clone())],
+        overrides: overrides.to_vec(),
+    };
     let model = read(&root, path, &mut text, &mut faults);
     match model {
         Some(mut model) if faults.list.is_empty() => {
@@ -76,18 +79,20 @@ fn hash(text: &ModelText) -> String {
 
 fn read_file(path: &Path, asked_at: Option<&Place>) -> Result<Arc<Source>, Fault> {
     let shown = path.display().to_string();
-    std::fs::read_to_string(path).map(|text| Arc::new(Source { path: shown.clone(), text })).map_err(|error| {
-        let reason = match error.kind() {
-            std::io::ErrorKind::NotFound => format!("the file {shown} does not exist"),
-            std::io::ErrorKind::InvalidData => format!("the file {shown} is not text in UTF-8"),
-            _ => format!("the file {shown} cannot be read: {error}"),
-        };
-        let remedy = "check the path; paths in a model are relative to the model file";
-        match asked_at {
-            Some(place) => Fault::at(place, reason, remedy),
-            None => Fault::general(reason, "check the path"),
-        }
-    })
+    std::fs::read_to_string(path).map(|text| Arc::new(Source { path: shown.clone(), text })).map_err(
+        |error| {
+            let reason = match error.kind() {
+                std::io::ErrorKind::NotFound => format!("the file {shown} does not exist"),
+                std::io::ErrorKind::InvalidData => format!("the file {shown} is not text in UTF-8"),
+                _ => format!("the file {shown} cannot be read: {error}"),
+            };
+            let remedy = "check the path; paths in a model are relative to the model file";
+            match asked_at {
+                Some(place) => Fault::at(place, reason, remedy),
+                None => Fault::general(reason, "check the path"),
+            }
+        },
+    )
 }
 
 /// `models/../reactions/x.yaml` -> `reactions/x.yaml`, so that messages show what a user would type.
@@ -203,8 +208,13 @@ fn network(node: &Node, model_path: &Path, text: &mut ModelText, faults: &mut Fa
 }
 
 fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
-    let mut chemistry =
-        Chemistry { representation: Representation::Discrete, method: None, step: None, hops: 0.5, change: 0.1 };
+    let mut chemistry = Chemistry {
+        representation: Representation::Discrete,
+        method: None,
+        step: None,
+        hops: 0.5,
+        change: 0.1,
+    };
     let Some(node) = node else { return Some(chemistry) };
     let mut fields = Fields::of(node, "chemistry", faults)?;
     if let Some(n) = fields.optional("representation") {
@@ -215,7 +225,11 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
     }
     if let Some(n) = fields.optional("method") {
         chemistry.method = Some(n.choice(
-            &[("direct", Method::Direct), ("next_subvolume", Method::NextSubvolume), ("split", Method::Split)],
+            &[
+                ("direct", Method::Direct),
+                ("next_subvolume", Method::NextSubvolume),
+                ("split", Method::Split),
+            ],
             faults,
         )?);
     }

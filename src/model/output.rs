@@ -89,7 +89,11 @@ pub fn read_run(node: &Node, faults: &mut Faults) -> Option<Run> {
         None => Some(None),
         Some(n) => n.integer(faults).and_then(|threads| {
             if !(1..=4096).contains(&threads) {
-                faults.at(&n.place, format!("{threads} threads"), "give a number from 1 to 4096, or leave it out for all cores");
+                faults.at(
+                    &n.place,
+                    format!("{threads} threads"),
+                    "give a number from 1 to 4096, or leave it out for all cores",
+                );
                 return None;
             }
             Some(Some(threads as usize))
@@ -131,11 +135,19 @@ fn times(fields: &mut Fields, until: f64, faults: &mut Faults) -> Option<Option<
         (Some(n), None) => {
             let every = n.positive(Dimension::TIME, faults)?;
             if until / every > MOST_OUTPUTS {
-                faults.at(&n.place, format!("{:.3e} output times", until / every), "at most a million are possible; make `every` longer");
+                faults.at(
+                    &n.place,
+                    format!("{:.3e} output times", until / every),
+                    "at most a million are possible; make `every` longer",
+                );
                 return None;
             }
             if every > until {
-                faults.at(&n.place, format!("an interval of {every} s is longer than the run of {until} s"), "make `every` shorter or run.until longer");
+                faults.at(
+                    &n.place,
+                    format!("an interval of {every} s is longer than the run of {until} s"),
+                    "make `every` shorter or run.until longer",
+                );
                 return None;
             }
             Some(Some(multiples(every, until)))
@@ -145,7 +157,11 @@ fn times(fields: &mut Fields, until: f64, faults: &mut Faults) -> Option<Option<
             for item in n.list(faults)? {
                 let t = item.non_negative(Dimension::TIME, faults)?;
                 if t > until * (1.0 + 1e-12) {
-                    faults.at(&item.place, format!("{t} s lies after the end of the run, {until} s"), "make run.until longer or remove it");
+                    faults.at(
+                        &item.place,
+                        format!("{t} s lies after the end of the run, {until} s"),
+                        "make run.until longer or remove it",
+                    );
                     return None;
                 }
                 found.push(t);
@@ -240,7 +256,13 @@ fn particle_output(node: &Node, until: f64, domain: &Domain, faults: &mut Faults
     Some((found.unwrap_or_default(), realizations))
 }
 
-fn histogram(node: &Node, until: f64, domain: &Domain, network: &Network, faults: &mut Faults) -> Option<Histogram> {
+fn histogram(
+    node: &Node,
+    until: f64,
+    domain: &Domain,
+    network: &Network,
+    faults: &mut Faults,
+) -> Option<Histogram> {
     let mut fields = Fields::of(node, "histogram", faults)?;
     let species = fields
         .required("species", faults)
@@ -280,7 +302,11 @@ fn probes(node: &Node, domain: &Domain, network: &Network, faults: &mut Faults) 
             (Some(n), None) => read_line(n, particles.dimensions, faults),
             (None, Some(n)) => read_ring(n, particles, domain, faults),
             _ => {
-                faults.at(&node.place, "a probe is a line or a ring", "for example line: { from: [0, 0], to: [1 um, 0], points: 101 }");
+                faults.at(
+                    &node.place,
+                    "a probe is a line or a ring",
+                    "for example line: { from: [0, 0], to: [1 um, 0], points: 101 }",
+                );
                 None
             }
         };
@@ -291,7 +317,13 @@ fn probes(node: &Node, domain: &Domain, network: &Network, faults: &mut Faults) 
     found
 }
 
-fn at_least(fields: &mut Fields, key: &'static str, least: i64, usual: usize, faults: &mut Faults) -> Option<usize> {
+fn at_least(
+    fields: &mut Fields,
+    key: &'static str,
+    least: i64,
+    usual: usize,
+    faults: &mut Faults,
+) -> Option<usize> {
     let Some(n) = fields.optional(key) else { return Some(usual) };
     let value = n.integer(faults)?;
     if value < least || value > 1_000_000 {

@@ -34,7 +34,11 @@ pub fn read(node: &Node, d: usize, faults: &mut Faults) -> Option<Shape> {
             fields.finish(faults);
             let (min, max) = (min?, max?);
             if min.iter().zip(&max).any(|(a, b)| a >= b) {
-                faults.at(&inner.place, "the box is empty", "each entry of max must be larger than the one of min");
+                faults.at(
+                    &inner.place,
+                    "the box is empty",
+                    "each entry of max must be larger than the one of min",
+                );
                 return None;
             }
             let open = |x: &[f64], end: f64| Vector::from_fn(|k, _| x.get(k).copied().unwrap_or(end));
@@ -42,15 +46,19 @@ pub fn read(node: &Node, d: usize, faults: &mut Faults) -> Option<Shape> {
         }
         "disc" | "ball" => {
             let mut fields = Fields::of(inner, &key.name, faults)?;
-            let centre = fields.required("centre", faults).and_then(|n| n.vector(Dimension::LENGTH, d, faults));
-            let radius = fields.required("radius", faults).and_then(|n| n.positive(Dimension::LENGTH, faults));
+            let centre =
+                fields.required("centre", faults).and_then(|n| n.vector(Dimension::LENGTH, d, faults));
+            let radius =
+                fields.required("radius", faults).and_then(|n| n.positive(Dimension::LENGTH, faults));
             fields.finish(faults);
             Some(Shape::Ball { centre: pad(&centre?), radius: radius? })
         }
         "ring" | "shell" => {
             let mut fields = Fields::of(inner, &key.name, faults)?;
-            let centre = fields.required("centre", faults).and_then(|n| n.vector(Dimension::LENGTH, d, faults));
-            let inner_radius = fields.required("inner", faults).and_then(|n| n.positive(Dimension::LENGTH, faults));
+            let centre =
+                fields.required("centre", faults).and_then(|n| n.vector(Dimension::LENGTH, d, faults));
+            let inner_radius =
+                fields.required("inner", faults).and_then(|n| n.positive(Dimension::LENGTH, faults));
             let outer = fields.required("outer", faults).and_then(|n| n.positive(Dimension::LENGTH, faults));
             fields.finish(faults);
             let (inner_radius, outer) = (inner_radius?, outer?);
@@ -77,9 +85,14 @@ pub fn read(node: &Node, d: usize, faults: &mut Faults) -> Option<Shape> {
             Some(Shape::Union(parts.iter().filter_map(|part| read(part, d, faults)).collect()))
         }
         "difference" => {
-            let parts: Vec<Shape> = inner.list(faults)?.iter().filter_map(|part| read(part, d, faults)).collect();
+            let parts: Vec<Shape> =
+                inner.list(faults)?.iter().filter_map(|part| read(part, d, faults)).collect();
             let Some((whole, holes)) = parts.split_first() else {
-                faults.at(&inner.place, "a difference needs at least one shape", "difference: [whole, hole, ...]");
+                faults.at(
+                    &inner.place,
+                    "a difference needs at least one shape",
+                    "difference: [whole, hole, ...]",
+                );
                 return None;
             };
             Some(Shape::Difference(Box::new(whole.clone()), holes.to_vec()))

@@ -85,11 +85,12 @@ pub fn classes(network: &Network, domain: &Domain) -> (Vec<u8>, Vec<Vec<u8>>) {
     let mut home = vec![0_u8; names.len()];
     let mut next = 1_u8;
     for named in lists.flatten() {
-        if let Some(i) = names.iter().position(|name| *name == named.name) {
-            if home[i] == 0 && next < 255 {
-                home[i] = next;
-                next += 1;
-            }
+        if let Some(i) = names.iter().position(|name| *name == named.name)
+            && home[i] == 0
+            && next < 255
+        {
+            home[i] = next;
+            next += 1;
         }
     }
     let groups = home.iter().map(|&class| vec![class]).collect();
@@ -101,7 +102,9 @@ fn set_of(only_in: Option<&Vec<Named>>, names: &[String], groups: &[Vec<u8>]) ->
     let mut bits = 0;
     for named in list {
         if let Some(i) = names.iter().position(|name| *name == named.name) {
-            bits |= groups[i].iter().fold(0, |bits, &class| bits | 1_u64.checked_shl(u32::from(class)).unwrap_or(0));
+            bits |= groups[i]
+                .iter()
+                .fold(0, |bits, &class| bits | 1_u64.checked_shl(u32::from(class)).unwrap_or(0));
         }
     }
     GroupSet(bits)
@@ -122,7 +125,9 @@ pub fn reactor(
         let boundary = domain.groups.len();
         for (s, set) in habitat.iter_mut().enumerate() {
             for (g, group) in domain.groups.iter().enumerate() {
-                if group.holds.as_ref().is_some_and(|held| !held.contains(&s)) || group.material == Material::Zone {
+                if group.holds.as_ref().is_some_and(|held| !held.contains(&s))
+                    || group.material == Material::Zone
+                {
                     set.0 &= !(1 << g);
                 }
             }
@@ -133,7 +138,10 @@ pub fn reactor(
                 if domain.group(&named.name).is_some_and(|g| domain.groups[g].material == Material::Zone) {
                     faults.push(Fault::at(
                         &named.place,
-                        format!("`{}` is a zone that particles pass through; a species cannot be confined to it", named.name),
+                        format!(
+                            "`{}` is a zone that particles pass through; a species cannot be confined to it",
+                            named.name
+                        ),
                         "name the groups whose particles may carry the species; reactions may name zones",
                     ));
                 }
@@ -172,14 +180,12 @@ pub fn columns(model: &Model, reactor: &Reactor, groups: &[Vec<u8>]) -> Vec<Colu
 
 /// Whether group `g` may ever hold species `s`; a zone holds what some group of fluid holds.
 fn may_hold(model: &Model, reactor: &Reactor, g: usize, classes: &[u8], s: usize) -> bool {
-    if let Domain::Particles(domain) = &model.domain {
-        if domain.groups[g].material == Material::Zone {
-            return domain
-                .groups
-                .iter()
-                .enumerate()
-                .any(|(other, group)| group.material == Material::Fluid && reactor.habitat[s].holds(other as u8));
-        }
+    if let Domain::Particles(domain) = &model.domain
+        && domain.groups[g].material == Material::Zone
+    {
+        return domain.groups.iter().enumerate().any(|(other, group)| {
+            group.material == Material::Fluid && reactor.habitat[s].holds(other as u8)
+        });
     }
     classes.iter().any(|&class| reactor.habitat[s].holds(class))
 }

@@ -1,7 +1,9 @@
 //! Particles of a model: places, bodies of the flow, zones, barriers, sponges.
 
 use crate::error::Fault;
-use crate::fluid::{Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge};
+use crate::fluid::{
+    Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge,
+};
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Shape, fill};
 use crate::model::conditions::{WallMotion, WallName, What};
@@ -72,7 +74,8 @@ impl<const D: usize> ParticlePlan<D> {
             if group.material == Material::Zone {
                 continue;
             }
-            let others = solid.iter().filter(|other| other.name != group.name && other.shape != Shape::EverythingElse);
+            let others =
+                solid.iter().filter(|other| other.name != group.name && other.shape != Shape::EverythingElse);
             let without = match group.shape {
                 Shape::EverythingElse => others.map(|other| &other.shape).collect(),
                 _ => Vec::new(),
@@ -161,7 +164,11 @@ impl<const D: usize> ParticlePlan<D> {
             match &condition.what {
                 What::Barrier { axis, at } => self.barriers.push(Barrier { axis: *axis, at: *at }),
                 What::Sponge { group, rate, species, .. } if !species.is_empty() => {
-                    self.sponges.push(SpongePlan { group: *group as u8, rate: *rate, species: species.clone() });
+                    self.sponges.push(SpongePlan {
+                        group: *group as u8,
+                        rate: *rate,
+                        species: species.clone(),
+                    });
                 }
                 What::Held { group, species, deal } => {
                     self.held.push(HeldPlan { group: *group as u8, species: species.clone(), deal: *deal });
@@ -203,8 +210,7 @@ impl<const D: usize> ParticlePlan<D> {
         loop {
             let side = (0..D).find(|&k| cell[k] < 0 || cell[k] >= cells[k]);
             if let Some(body) = side.and_then(|k| body_of_side[k][usize::from(cell[k] >= 0)]) {
-                let position =
-                    Vector::from_fn(|k, _| self.domain.min[k] + (cell[k] as f64 + 0.5) * spacing);
+                let position = Vector::from_fn(|k, _| self.domain.min[k] + (cell[k] as f64 + 0.5) * spacing);
                 self.particles.push(Placed { position, volume: spacing.powi(D as i32), body: body as u8 });
                 self.home.push(boundary);
             }
@@ -292,10 +298,9 @@ fn motion<const D: usize>(domain: &ParticleDomain, wall: WallName) -> Motion<D> 
         None => Motion::Still,
         Some(WallMotion::Belt(velocity)) => Motion::Belt { velocity: narrow(velocity) },
         Some(WallMotion::Travel(velocity)) => Motion::Translating { velocity: narrow(velocity) },
-        Some(WallMotion::Oscillate { velocity, frequency }) => Motion::Oscillating {
-            amplitude: narrow(velocity),
-            frequency: std::f64::consts::TAU * frequency,
-        },
+        Some(WallMotion::Oscillate { velocity, frequency }) => {
+            Motion::Oscillating { amplitude: narrow(velocity), frequency: std::f64::consts::TAU * frequency }
+        }
         Some(WallMotion::Rotate { centre, rate, axis }) => {
             Motion::Rotating { centre: narrow(centre), rate: (axis * *rate).into() }
         }
@@ -338,7 +343,8 @@ fn check_overlap<const D: usize>(
             .filter(|(x, _)| other.shape.signed_distance(&embed(x)) < -1e-9 * group.spacing)
             .count();
         if inside > 0 {
-            let walls = matches!((group.material, other.material), (Material::Wall { .. }, Material::Wall { .. }));
+            let walls =
+                matches!((group.material, other.material), (Material::Wall { .. }, Material::Wall { .. }));
             faults.push(Fault::at(
                 &group.place,
                 format!(
@@ -349,7 +355,10 @@ fn check_overlap<const D: usize>(
                     group.name,
                     other.name
                 ),
-                format!("cut one out of the other, e.g. shape: {{ difference: [..., ...] }} for `{}`", group.name),
+                format!(
+                    "cut one out of the other, e.g. shape: {{ difference: [..., ...] }} for `{}`",
+                    group.name
+                ),
             ));
         }
     }

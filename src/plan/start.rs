@@ -174,8 +174,9 @@ pub fn check(plan: &Plan, faults: &mut Vec<Fault>) {
     }
     if let Domain::Particles(domain) = &plan.model.domain {
         for (s, species) in plan.network.species.iter().enumerate() {
-            let anywhere = (0..domain.groups.len())
-                .any(|g| plan.reactor.habitat[s].holds(g as u8) && domain.groups[g].material != Material::Zone);
+            let anywhere = (0..domain.groups.len()).any(|g| {
+                plan.reactor.habitat[s].holds(g as u8) && domain.groups[g].material != Material::Zone
+            });
             if !anywhere {
                 faults.push(Fault::at(
                     &species.place,

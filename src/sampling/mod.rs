@@ -62,7 +62,9 @@ impl<'p> Sums<'p> {
         let species = self.plan.reactor.species.len();
         let mut sums = vec![0.0; self.volume.len() * species];
         for (voxel, &slot) in amounts.chunks_exact(species).zip(&self.slot) {
-            let Some(sum) = sums.get_mut(slot as usize * species..(slot as usize + 1) * species) else { continue };
+            let Some(sum) = sums.get_mut(slot as usize * species..(slot as usize + 1) * species) else {
+                continue;
+            };
             for (sum, amount) in sum.iter_mut().zip(voxel) {
                 *sum += amount;
             }
@@ -97,9 +99,7 @@ impl<'p, const D: usize> Lens<'p, D> {
         let groups = plan.model.domain.group_names();
         let slot: Vec<u32> = scene.current.iter().map(|&g| u32::from(g)).collect();
         let wanted = plan.model.output.particles.as_ref();
-        let frame = wanted
-            .filter(|(times, _)| times.contains(&time))
-            .map(|_| frame(scene, time, &groups));
+        let frame = wanted.filter(|(times, _)| times.contains(&time)).map(|_| frame(scene, time, &groups));
         Lens {
             plan,
             time,
@@ -136,7 +136,9 @@ fn frame<const D: usize>(scene: &Scene<D>, time: f64, groups: &[String]) -> (Par
         .filter(|&i| usize::from(scene.current[i as usize]) < groups.len())
         .collect();
     let of = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&i| values[i as usize]).collect() };
-    let three = |v: &crate::vector::Vector<D>| -> [f64; 3] { std::array::from_fn(|k| if k < D { v[k] } else { 0.0 }) };
+    let three = |v: &crate::vector::Vector<D>| -> [f64; 3] {
+        std::array::from_fn(|k| if k < D { v[k] } else { 0.0 })
+    };
     let frame = ParticleFrame {
         time,
         groups: groups.to_vec(),

@@ -75,7 +75,9 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
                 let sum = |s: usize| -> Vec<f64> {
                     sectors
                         .iter()
-                        .map(|(members, _)| members.iter().map(|&(j, share)| share * amounts[j as usize * species + s]).sum())
+                        .map(|(members, _)| {
+                            members.iter().map(|&(j, share)| share * amounts[j as usize * species + s]).sum()
+                        })
                         .collect()
                 };
                 for &s in &self.probe.species {
@@ -125,11 +127,15 @@ fn line<'p, const D: usize>(
         };
         Interpolator::new(&places, &carriers, &scene.plan.kernel())
     };
-    let hosts = |s: usize| -> Vec<bool> { scene.plan.home.iter().map(|&g| plan.reactor.habitat[s].holds(g)).collect() };
+    let hosts = |s: usize| -> Vec<bool> {
+        scene.plan.home.iter().map(|&g| plan.reactor.habitat[s].holds(g)).collect()
+    };
     let mut species: Vec<Interpolator<D>> = Vec::new();
     for (k, &s) in probe.species.iter().enumerate() {
         // Species that live in the same groups share their weights.
-        let same = probe.species[..k].iter().position(|&other| plan.reactor.habitat[other] == plan.reactor.habitat[s]);
+        let same = probe.species[..k]
+            .iter()
+            .position(|&other| plan.reactor.habitat[other] == plan.reactor.habitat[s]);
         let weights = match same {
             Some(earlier) => species[earlier].clone(),
             None => weights_of(&hosts(s)).without(|k| !can_be(plan, s, &embed(&places[k]))),
@@ -142,7 +148,8 @@ fn line<'p, const D: usize>(
         let weights = weights_of(&fluid).without(|k| in_wall(plan, &embed(&places[k])));
         for axis in 0..D {
             let name = format!("v{}", crate::model::domain::axis_name(axis));
-            let values = (0..points).map(|k| weights.apply(k, |j| scene.snapshot.velocity[j][axis])).collect();
+            let values =
+                (0..points).map(|k| weights.apply(k, |j| scene.snapshot.velocity[j][axis])).collect();
             velocity.push((name, values));
         }
     }
@@ -151,7 +158,10 @@ fn line<'p, const D: usize>(
         probe,
         s: (0..points).map(|k| (at(k) - from).norm()).collect(),
         place: (0..points).map(|k| at(k).into()).collect(),
-        reading: Reading::Line { species, per_amount: scene.volumes.iter().map(|v| 1.0 / (AVOGADRO * v)).collect() },
+        reading: Reading::Line {
+            species,
+            per_amount: scene.volumes.iter().map(|v| 1.0 / (AVOGADRO * v)).collect(),
+        },
         velocity,
     }
 }
@@ -164,18 +174,20 @@ fn can_be(plan: &Plan, s: usize, x: &Vector<3>) -> bool {
     });
     match owner {
         Some(g) => plan.reactor.habitat[s].holds(g as u8),
-        None => domain
-            .groups
-            .iter()
-            .enumerate()
-            .any(|(g, group)| group.shape == Shape::EverythingElse && plan.reactor.habitat[s].holds(g as u8)),
+        None => {
+            domain.groups.iter().enumerate().any(|(g, group)| {
+                group.shape == Shape::EverythingElse && plan.reactor.habitat[s].holds(g as u8)
+            })
+        }
     }
 }
 
 fn in_wall(plan: &Plan, x: &Vector<3>) -> bool {
     let Domain::Particles(domain) = &plan.model.domain else { return false };
     domain.groups.iter().any(|group| {
-        matches!(group.material, Material::Wall { .. }) && group.shape != Shape::EverythingElse && group.shape.holds(x)
+        matches!(group.material, Material::Wall { .. })
+            && group.shape != Shape::EverythingElse
+            && group.shape.holds(x)
     })
 }
 
@@ -194,7 +206,8 @@ fn ring<const D: usize>(
     for (i, x) in scene.positions.iter().enumerate() {
         let apart = x - centre;
         let r = apart.norm();
-        let member = group.is_none_or(|g| usize::from(scene.plan.home[i]) == g || usize::from(scene.current[i]) == g);
+        let member =
+            group.is_none_or(|g| usize::from(scene.plan.home[i]) == g || usize::from(scene.current[i]) == g);
         if !member || r < inner || r > outer || r == 0.0 {
             continue;
         }

@@ -36,8 +36,8 @@ pub fn intervals(times: &[f64], chemistry: f64, fluid: Option<f64>) -> Vec<Inter
             // A step that fits up to rounding is not halved for it.
             let parts = |length: f64, step: f64| ((length / step) * (1.0 - 1e-9)).ceil().max(1.0) as u64;
             let ticks = if end > start { parts(end - start, chemistry) } else { 0 };
-            let fluid_steps =
-                fluid.map_or(0, |step| if ticks == 0 { 0 } else { parts((end - start) / ticks as f64, step) });
+            let fluid_steps = fluid
+                .map_or(0, |step| if ticks == 0 { 0 } else { parts((end - start) / ticks as f64, step) });
             let interval = Interval { start, end, ticks, fluid_steps };
             start = end;
             interval

@@ -46,8 +46,12 @@ impl<'p> Ready<'p> {
     /// Too many steps.
     pub fn new(plan: &'p Plan, arena: &'p Compartments) -> Result<Ready<'p>, NotReady> {
         let positions = vec![Vector::zeros(); arena.volumes.len()];
-        let places =
-            Voxels { positions: &positions, volumes: &arena.volumes, home: &arena.home, current: &arena.home };
+        let places = Voxels {
+            positions: &positions,
+            volumes: &arena.volumes,
+            home: &arena.home,
+            current: &arena.home,
+        };
         let start = start(plan, &places);
         let slot = (0..arena.volumes.len() as u32).collect();
         let sums = Sums::new(plan, slot, &arena.volumes, arena.volumes.len());
@@ -73,7 +77,10 @@ impl<'p> Ready<'p> {
         });
         let approximations = match &chemistry {
             Some(step) if self.arena.volumes.len() > 1 => {
-                vec![format!("splitting of diffusion and reaction: second order in the step of {:.3e} s", step.step)]
+                vec![format!(
+                    "splitting of diffusion and reaction: second order in the step of {:.3e} s",
+                    step.step
+                )]
             }
             _ => Vec::new(),
         };
@@ -150,11 +157,18 @@ impl<'p> Ready<'p> {
                 };
                 self.play(number, NextSubvolume::new(&plan.reactor, graph, amounts, key)?, watch)
             }
-            Method::Split => self.step(number, SplitState::new(&plan.reactor, amounts, seed, u64::from(number)), watch),
+            Method::Split => {
+                self.step(number, SplitState::new(&plan.reactor, amounts, seed, u64::from(number)), watch)
+            }
         }
     }
 
-    fn play(&self, number: u32, mut method: impl EventMethod, watch: &Watch) -> Result<Option<Share>, RunError> {
+    fn play(
+        &self,
+        number: u32,
+        mut method: impl EventMethod,
+        watch: &Watch,
+    ) -> Result<Option<Share>, RunError> {
         let mut observed = Observed::new(number);
         let start = totals(self.plan, method.amounts());
         for &time in &self.plan.model.output.times {
@@ -213,7 +227,11 @@ fn totals(plan: &Plan, amounts: &[f64]) -> Vec<f64> {
     (0..count).map(|s| amounts.iter().skip(s).step_by(count).sum()).collect()
 }
 
-fn split(plan: &Plan, arena: &Compartments, start: &Start) -> Result<(Frozen, Vec<Interval>, String), NotReady> {
+fn split(
+    plan: &Plan,
+    arena: &Compartments,
+    start: &Start,
+) -> Result<(Frozen, Vec<Interval>, String), NotReady> {
     let frozen = Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
     let chemistry = &plan.model.chemistry;
     let bounds = step_bounds(&plan.reactor, &frozen, &start.amounts, chemistry.hops, chemistry.change);

@@ -55,7 +55,7 @@ pub struct FlowTally {
 
 /// A plan whose steps are chosen: ready to run, nothing written yet.
 pub enum Ready<'p> {
-    Compartments(compartments::Ready<'p>),
+    Compartments(Box<compartments::Ready<'p>>),
     Line(Box<particles::Ready<'p, 1>>),
     Plane(Box<particles::Ready<'p, 2>>),
     Space(Box<particles::Ready<'p, 3>>),
@@ -68,7 +68,9 @@ impl<'p> Ready<'p> {
     /// A run that would need too many steps, or a flow that cannot be built.
     pub fn new(plan: &'p Plan) -> Result<Ready<'p>, NotReady> {
         Ok(match &plan.arena {
-            Arena::Compartments(arena) => Ready::Compartments(compartments::Ready::new(plan, arena)?),
+            Arena::Compartments(arena) => {
+                Ready::Compartments(Box::new(compartments::Ready::new(plan, arena)?))
+            }
             Arena::Line(arena) => Ready::Line(Box::new(particles::Ready::new(plan, arena)?)),
             Arena::Plane(arena) => Ready::Plane(Box::new(particles::Ready::new(plan, arena)?)),
             Arena::Space(arena) => Ready::Space(Box::new(particles::Ready::new(plan, arena)?)),
@@ -99,7 +101,9 @@ impl<'p> Ready<'p> {
             .iter()
             .zip(block.amount)
             .filter(|(_, amount)| *amount != 0.0)
-            .map(|(column, amount)| (plan.group_name(column), plan.reactor.species[column.species].clone(), amount))
+            .map(|(column, amount)| {
+                (plan.group_name(column), plan.reactor.species[column.species].clone(), amount)
+            })
             .collect()
     }
 

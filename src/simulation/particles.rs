@@ -98,7 +98,9 @@ impl<'p, const D: usize> Ready<'p, D> {
         let discrete = self.plan.reactor.discrete.iter().filter(|&&d| d).count();
         let method = match discrete {
             0 => "rate equations, diffusion by the exact exponential, Strang splitting",
-            n if n == self.plan.reactor.discrete.len() => "exact sampling of diffusion and reaction in turn, Strang splitting",
+            n if n == self.plan.reactor.discrete.len() => {
+                "exact sampling of diffusion and reaction in turn, Strang splitting"
+            }
             _ => "discrete and continuous species side by side, Strang splitting",
         };
         StepsRecord {
@@ -130,7 +132,11 @@ impl<'p, const D: usize> Ready<'p, D> {
         let mut tally = Tally { steps: self.steps(), fluid_seconds: self.fluid_seconds, ..Tally::default() };
         tally.supplied = vec![0.0; self.plan.reactor.species.len()];
         let members: Vec<Realization> = realizations.iter().map(|&number| self.deal(number)).collect();
-        if self.fluid.is_some() { self.run_on_flow(members, tally, watch) } else { self.run_at_rest(members, tally, watch) }
+        if self.fluid.is_some() {
+            self.run_on_flow(members, tally, watch)
+        } else {
+            self.run_at_rest(members, tally, watch)
+        }
     }
 
     /// A realization at t = 0.
@@ -170,7 +176,9 @@ impl<'p, const D: usize> Ready<'p, D> {
                     .try_for_each(|one| one.before(plan, &self.frozen, &reservoirs, time, 0.5 * tick));
                 let fluid = Instant::now();
                 tally.chemistry_seconds += (fluid - chemistry).as_secs_f64();
-                let moved = first.and_then(|()| self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps));
+                let moved = first.and_then(|()| {
+                    self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps)
+                });
                 let chemistry = Instant::now();
                 tally.fluid_seconds += (chemistry - fluid).as_secs_f64();
                 let second = moved.and_then(|()| freeze(plan, &self.scene, &self.start)).and_then(|frozen| {
@@ -192,7 +200,13 @@ impl<'p, const D: usize> Ready<'p, D> {
             seen += 1;
         }
         self.count(&members, &mut tally);
-        Outcome { observed: members.into_iter().map(|one| one.observed).collect(), times: seen, tally, error, interrupted }
+        Outcome {
+            observed: members.into_iter().map(|one| one.observed).collect(),
+            times: seen,
+            tally,
+            error,
+            interrupted,
+        }
     }
 
     /// Realizations one by one on particles at rest; those that finish are kept whatever befalls others.
@@ -234,7 +248,13 @@ impl<'p, const D: usize> Ready<'p, D> {
         }
         self.count(&kept, &mut tally);
         let times = plan.model.output.times.len();
-        Outcome { observed: kept.into_iter().map(|one| one.observed).collect(), times, tally, error, interrupted }
+        Outcome {
+            observed: kept.into_iter().map(|one| one.observed).collect(),
+            times,
+            tally,
+            error,
+            interrupted,
+        }
     }
 
     /// Books counters, conservation and what the flow says of itself.

@@ -31,7 +31,10 @@ impl<'p, const D: usize> Scene<'p, D> {
         let hosts = plan
             .home
             .iter()
-            .map(|&home| (0..reactor.species.len()).any(|s| reactor.diffusivity[s] > 0.0 && reactor.habitat[s].holds(home)))
+            .map(|&home| {
+                (0..reactor.species.len())
+                    .any(|s| reactor.diffusivity[s] > 0.0 && reactor.habitat[s].holds(home))
+            })
             .collect();
         let count = plan.particles.len();
         let mut scene = Scene {

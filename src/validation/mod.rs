@@ -46,7 +46,11 @@ impl Verdict {
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.case)?;
-        writeln!(f, "  {:<48} {:>12} {:>12} {:>12} {:>10} {:>10}", "quantity", "ours", "published", "reference", "error", "limit")?;
+        writeln!(
+            f,
+            "  {:<48} {:>12} {:>12} {:>12} {:>10} {:>10}",
+            "quantity", "ours", "published", "reference", "error", "limit"
+        )?;
         for row in &self.rows {
             let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |v| format!("{v:.5e}"));
             let verdict = if row.error <= row.limit { "ok" } else { "FAILED" };
