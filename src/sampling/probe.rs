@@ -118,12 +118,19 @@ fn line<'p, const D: usize>(
 ) -> ProbeLens<'p, D> {
     let at = |k: usize| from + (to - from) * (k as f64 / (points - 1) as f64);
     let places: Vec<Vector<D>> = (0..points).map(|k| Vector::from_fn(|axis, _| at(k)[axis])).collect();
+    // Fields jump across a barrier at the ends of a periodic axis; nothing is read off through it.
+    let mut domain = scene.plan.domain.clone();
+    for barrier in &scene.plan.barriers {
+        let (low, high) = (domain.min[barrier.axis], domain.max[barrier.axis]);
+        let near = |end: f64| (barrier.at - end).abs() <= 1e-9 * (high - low);
+        domain.periodic[barrier.axis] &= !(near(low) || near(high));
+    }
     let weights_of = |mask: &[bool]| {
         let carriers = Carriers {
             positions: &scene.snapshot.position,
             volumes: &scene.snapshot.volume,
             mask,
-            domain: &scene.plan.domain,
+            domain: &domain,
         };
         Interpolator::new(&places, &carriers, &scene.plan.kernel())
     };

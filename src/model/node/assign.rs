@@ -2,10 +2,12 @@
 
 use super::{Key, Node, Value, known_keys, parse_value};
 use crate::error::{Fault, Place, Source};
+use crate::quantity::nearest;
 use std::sync::Arc;
 
 /// Puts the value of `path.to.key=value` into the tree; the value is YAML, a number in the path is the index
-/// of a list (from zero), a missing last key is added.
+/// of a list (from zero). Missing keys are added, unless a known one is spelled nearly alike; readers refuse
+/// those that mean nothing.
 ///
 /// # Errors
 /// Text without `=`, a value that is no YAML, a path that does not lead anywhere (naming the known keys).
@@ -54,8 +56,15 @@ fn place_at(at: &mut Node, steps: &[&str], depth: usize, node: Node, key_place: 
                 entries.push((Key { name: (*step).to_string(), place: key_place.clone() }, node));
                 return Ok(());
             }
-            let remedy = known_keys(step, entries.iter().map(|(key, _)| key.name.as_str()));
-            Err(fault(format!("there is no \"{step}\" in {before}"), remedy))
+            let known = || entries.iter().map(|(key, _)| key.name.as_str());
+            if nearest(step, known()).is_some() {
+                // More likely a slip than a section the document left out.
+                return Err(fault(format!("there is no \"{step}\" in {before}"), known_keys(step, known())));
+            }
+            let mut section = Node { place: key_place.clone(), value: Value::Map(Vec::new()) };
+            place_at(&mut section, steps, depth + 1, node, key_place)?;
+            entries.push((Key { name: (*step).to_string(), place: key_place.clone() }, section));
+            Ok(())
         }
         Value::List(items) => {
             let length = items.len();
