@@ -212,7 +212,7 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
         representation: Representation::Discrete,
         method: None,
         step: None,
-        hops: 0.5,
+        hops: 0.2,
         change: 0.1,
     };
     let Some(node) = node else { return Some(chemistry) };
