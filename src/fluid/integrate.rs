@@ -251,6 +251,7 @@ impl<const D: usize> Flow<D> {
                     sponges.apply(position, &mut side.velocity);
                     if let Some(shift) = shift {
                         side.drift = shift.velocity(&rates.crowding, side.density / own.rest_density);
+                        sponges.damp(position, &mut side.drift);
                     }
                 }
             });

@@ -1,6 +1,19 @@
-//! Published cases, each run with ours beside the published and the reference values.
+//! Published cases and exact answers, each run with ours beside the published and the reference values.
+//!
+//! The cases are the models that are shipped, changed only by values a user could give with `--set`.
 
+mod annihilation;
+mod compartments;
+mod pheromone;
+mod series;
+mod table;
+
+use crate::ensemble;
 use crate::error::RunError;
+use crate::model::load;
+use crate::plan::Plan;
+use crate::results::Results;
+use crate::simulation::{NotReady, Ready, Watch};
 use std::fmt;
 
 /// A case by name.
@@ -13,26 +26,50 @@ pub struct Case {
 }
 
 /// All cases, in the order they run.
-pub const CASES: &[Case] = &[];
+pub const CASES: &[Case] = &[
+    Case {
+        name: "birth_death",
+        what: "birth and death in one volume: mean and variance of a Poisson number",
+        run: compartments::birth_death,
+    },
+    Case {
+        name: "two_compartments",
+        what: "diffusion between two volumes: binomial at every time, 80 to 20 in the end",
+        run: compartments::two_compartments,
+    },
+    Case {
+        name: "annihilation_front",
+        what: "A + B -> 0 on a line of 65 particles against finite differences, over the transient",
+        run: annihilation::front,
+    },
+    Case {
+        name: "pheromone_slip",
+        what: "yeast cell in a channel with slip walls against finite elements (spacing 0.04 H; --full: 0.02 H)",
+        run: pheromone::slip,
+    },
+    Case { name: "pheromone_no_slip", what: "the same with no-slip walls", run: pheromone::no_slip },
+];
 
 /// What a case came to.
 #[derive(Clone, Debug, Default)]
 pub struct Verdict {
     pub case: String,
     pub rows: Vec<Row>,
+    /// Wall time, s.
+    pub seconds: f64,
 }
 
 /// One number of a case beside what it should be.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Row {
     pub quantity: String,
     pub ours: f64,
     pub published: Option<f64>,
     pub reference: Option<f64>,
-    /// Largest value allowed for `error`.
-    pub limit: f64,
-    /// The error that is judged, e.g. relative to the reference.
+    /// The error that is judged; `quantity` says which.
     pub error: f64,
+    /// Largest `error` that passes.
+    pub limit: f64,
 }
 
 impl Verdict {
@@ -45,18 +82,18 @@ impl Verdict {
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.case)?;
+        writeln!(f, "{} ({:.1} s)", self.case, self.seconds)?;
         writeln!(
             f,
-            "  {:<48} {:>12} {:>12} {:>12} {:>10} {:>10}",
+            "  {:<58} {:>11} {:>11} {:>11} {:>10} {:>9}",
             "quantity", "ours", "published", "reference", "error", "limit"
         )?;
         for row in &self.rows {
-            let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |v| format!("{v:.5e}"));
+            let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |v| format!("{v:.4e}"));
             let verdict = if row.error <= row.limit { "ok" } else { "FAILED" };
             writeln!(
                 f,
-                "  {:<48} {:>12.5e} {:>12} {:>12} {:>10.3e} {:>10.1e}  {verdict}",
+                "  {:<58} {:>11.4e} {:>11} {:>11} {:>10.2e} {:>9.1e}  {verdict}",
                 row.quantity,
                 row.ours,
                 number(row.published),
@@ -67,4 +104,51 @@ impl fmt::Display for Verdict {
         }
         Ok(())
     }
+}
+
+/// A shipped model: its file, and the reactions file it names, if any.
+struct Shipped {
+    model: &'static str,
+    reactions: Option<(&'static str, &'static str)>,
+}
+
+/// Runs a shipped model with values changed as by `--set`, without writing anything but a folder that is removed.
+fn run(shipped: &Shipped, overrides: &[String]) -> Result<Results, RunError> {
+    let failed = |reason: String| RunError::File { path: "validation model".into(), reason };
+    let folder = tempfile::tempdir().map_err(|error| failed(error.to_string()))?;
+    let write = |path: &str, text: &str| -> Result<std::path::PathBuf, RunError> {
+        let path = folder.path().join(path);
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(|error| failed(error.to_string()))?;
+        }
+        std::fs::write(&path, text).map_err(|error| failed(error.to_string()))?;
+        Ok(path)
+    };
+    if let Some((name, text)) = shipped.reactions {
+        write(&format!("reactions/{name}"), text)?;
+    }
+    let path = write("models/model.yaml", shipped.model)?;
+    let model = load::model(&path, overrides).map_err(|error| failed(error.to_string()))?;
+    let block = 0..model.run.realizations;
+    let plan = Plan::new(model, block.end).map_err(|error| failed(error.to_string()))?;
+    let ready = Ready::new(&plan).map_err(|error| match error {
+        NotReady::Model(error) => failed(error.to_string()),
+        NotReady::Run(error) => error,
+    })?;
+    let mut results = ensemble::empty(&plan, ensemble::record(&plan, &block, ready.steps(), 0));
+    let numbers: Vec<u32> = block.collect();
+    let mut outcome = ready.run(&numbers, &Watch::silent());
+    ensemble::keep(&mut results, folder.path(), &mut outcome, false)?;
+    ensemble::conclude(&plan, &mut results, &outcome.tally, outcome.error.as_ref(), outcome.interrupted);
+    match outcome.error {
+        Some(error) => Err(error),
+        None => Ok(results),
+    }
+}
+
+/// Runs a case and notes how long it took.
+fn timed(case: &str, rows: impl FnOnce() -> Result<Vec<Row>, RunError>) -> Result<Verdict, RunError> {
+    let begun = std::time::Instant::now();
+    let rows = rows()?;
+    Ok(Verdict { case: case.into(), rows, seconds: begun.elapsed().as_secs_f64() })
 }
