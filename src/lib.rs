@@ -3,7 +3,43 @@
 //! Data flows one way; a module uses only what stands above it:
 //!
 //! ```text
-//! YAML -> checked Model -> compiled Plan<D> -> stepping -> Samples -> statistics -> tables, figures, report
+//! YAML -> checked Model -> compiled Plan -> stepping -> Observed -> statistics -> tables, figures, report
+//! ```
+//!
+//! | module | one line |
+//! |---|---|
+//! | [`error`], [`quantity`], [`random`], [`vector`] | faults with file, line and remedy; numbers with units; named random streams; small vectors |
+//! | [`chemistry`] | networks, propensities, exact samplers and rate equations on a weighted graph of voxels |
+//! | [`geometry`] | shapes as signed distances, and the lattices that fill them |
+//! | [`fluid`] | SPH-BVF: one file per equation, fused in one pass; conductances for the chemistry |
+//! | [`model`] | YAML -> [`model::Model`], all faults at once; strings and units end here |
+//! | [`plan`] | [`model::Model`] -> [`plan::Plan`]: reactor, particles, bodies, columns to observe |
+//! | [`simulation`], [`sampling`] | realizations on one flow, at rest, or event driven; what is seen when |
+//! | [`record`], [`statistics`] | what a run says of itself; pure functions on slices |
+//! | [`tables`], [`figures`], [`report`], [`vtk`] | Parquet, plots, the page, ParaView: read tables and record only |
+//! | [`ensemble`], [`results`] | a block of realizations from plan to folder; joining blocks |
+//! | [`validation`], [`cli`] | published cases; the command line |
+//!
+//! The joint between flow and chemistry is one value, [`chemistry::Links`], and the volumes: the chemistry never
+//! sees a kernel, the fluid never a species.
+//!
+//! ```
+//! use gillesph::{model, plan::Plan, simulation::{Ready, Watch}};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("decay.yaml");
+//! std::fs::write(&path, "
+//! name: decay
+//! reactions: { species: [A], reactions: { decay: { equation: A -> 0, rate: 1 1/s } } }
+//! domain: { kind: well_mixed, volume: 1 fL }
+//! initial: { A: 100 }
+//! run: { until: 1 s, realizations: 4 }
+//! output: { times: [1 s] }
+//! ")?;
+//! let plan = Plan::new(model::load::model(&path, &[])?, 4)?;
+//! let outcome = Ready::new(&plan)?.run(&[0, 1, 2, 3], &Watch::silent());
+//! assert!(outcome.observed.iter().all(|one| one.series.amount[0] < 100.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod error;

@@ -33,55 +33,105 @@ pub struct Barrier {
 ///
 /// `thickness` is the extent of the directions that are not simulated, m^(3-D). alpha is the ratio of the
 /// diffusivity of the plain SPH Laplacian to the true one; dividing by the mean of the pair keeps G symmetric
-/// (to the bit) and positive, which detailed balance and whole molecules need. Rows are sorted by index; no
-/// link where a side is no host or a barrier stands between. A periodic axis must be two cut-offs long.
+/// (to the bit) and positive, which detailed balance and whole molecules need. Sides of the box that are not
+/// periodic reflect: each neighbour also counts by its mirror images, which keeps conductances right up to the
+/// side. Rows are sorted by index; no link where a side is no host or a barrier stands between. A periodic axis
+/// must be two cut-offs long.
 #[must_use]
 pub fn links<const D: usize>(voxels: &Voxels<D>, kernel: &Kernel<D>, thickness: f64) -> Links {
-    let Voxels { positions, volumes, hosts, .. } = *voxels;
-    let n = positions.len().min(volumes.len()).min(hosts.len());
-    let grid = Grid::build(&positions[..n], voxels.domain, kernel.cutoff());
-    let mut rows: Vec<(u32, f64)> = Vec::with_capacity(32 * n);
-    let mut offsets = Vec::with_capacity(n + 1);
+    let Voxels { volumes, hosts, .. } = *voxels;
+    let n = voxels.positions.len().min(volumes.len()).min(hosts.len());
+    let (places, original) = voxels.with_images(n, kernel.cutoff());
+    let grid = Grid::build(&places, voxels.domain, kernel.cutoff());
+    // Pairs i < j with F summed over the images of j, and alpha.
+    let mut pairs: Vec<(u32, u32, f64)> = Vec::with_capacity(16 * n);
     let mut alpha = vec![0.0; n];
-    offsets.push(0_u32);
-    for i in 0..n {
-        let start = rows.len();
-        if hosts[i] {
-            grid.for_each_near(&positions[i], &positions[..n], |j, x, r2| {
-                if j != i && hosts[j] && !voxels.separated(i, j, &x) {
-                    // The same bits whichever end the pair is seen from: x only changes its sign.
-                    let f = kernel.f(r2.sqrt());
-                    if f > 0.0 {
-                        alpha[i] += volumes[j] * f * r2 / D as f64;
-                        rows.push((j as u32, f));
+    for i in (0..n).filter(|&i| hosts[i]) {
+        let start = pairs.len();
+        grid.for_each_near(&places[i], &places, |image, x, r2| {
+            let j = original[image] as usize;
+            if image != i && hosts[j] && !voxels.separated(&places[i], &x) {
+                let f = kernel.f(r2.sqrt());
+                if f > 0.0 {
+                    alpha[i] += volumes[j] * f * r2 / D as f64;
+                    if j > i {
+                        pairs.push((i as u32, j as u32, f));
                     }
                 }
-            });
-        }
-        rows[start..].sort_unstable_by_key(|&(j, _)| j);
-        offsets.push(rows.len() as u32);
+            }
+        });
+        pairs[start..].sort_by_key(|&(_, j, _)| j);
     }
-    let mut links = Links { offsets, ..Links::default() };
-    links.neighbour = rows.iter().map(|&(j, _)| j).collect();
-    links.conductance = Vec::with_capacity(rows.len());
-    for i in 0..n {
-        for &(j, f) in &rows[links.offsets[i] as usize..links.offsets[i + 1] as usize] {
-            let j = j as usize;
-            let g = 2.0 * (volumes[i] * volumes[j]) * f * (2.0 / (alpha[i] + alpha[j])) * thickness;
-            links.conductance.push(g);
+    pairs.dedup_by(|next, kept| {
+        let same = (next.0, next.1) == (kept.0, kept.1);
+        if same {
+            kept.2 += next.2;
         }
+        same
+    });
+    for (i, j, f) in &mut pairs {
+        let (i, j) = (*i as usize, *j as usize);
+        *f *= 2.0 * (volumes[i] * volumes[j]) * (2.0 / (alpha[i] + alpha[j])) * thickness;
+    }
+    both_ways(n, &pairs)
+}
+
+/// Rows of both ends from pairs i < j, sorted by i and then j.
+fn both_ways(n: usize, pairs: &[(u32, u32, f64)]) -> Links {
+    let mut offsets = vec![0_u32; n + 1];
+    for &(i, j, _) in pairs {
+        offsets[i as usize + 1] += 1;
+        offsets[j as usize + 1] += 1;
+    }
+    for i in 0..n {
+        offsets[i + 1] += offsets[i];
+    }
+    let mut next = offsets.clone();
+    let mut links =
+        Links { offsets, neighbour: vec![0; 2 * pairs.len()], conductance: vec![0.0; 2 * pairs.len()] };
+    let mut put = |row: u32, other: u32, g: f64| {
+        let slot = next[row as usize] as usize;
+        next[row as usize] += 1;
+        links.neighbour[slot] = other;
+        links.conductance[slot] = g;
+    };
+    // A row takes its smaller neighbours first, as pairs come sorted: those of row i as the larger end have
+    // all come by when the pairs (i, .) begin.
+    for &(i, j, g) in pairs {
+        put(j, i, g);
+        put(i, j, g);
     }
     links
 }
 
 impl<const D: usize> Voxels<'_, D> {
-    /// Whether the shortest way from i to j, x = x_i - x_j, crosses a barrier.
-    fn separated(&self, i: usize, j: usize, x: &Vector<D>) -> bool {
-        // Always seen from the end with the smaller index, so that both ends agree on the last bit.
-        let (from, way) = if i < j { (&self.positions[i], -x) } else { (&self.positions[j], *x) };
+    /// Places of the first `n` particles and of the mirror images of hosts within `reach` of a side that is not
+    /// periodic, and the particle each stands for.
+    fn with_images(&self, n: usize, reach: f64) -> (Vec<Vector<D>>, Vec<u32>) {
+        let mut places = self.positions[..n].to_vec();
+        let mut original: Vec<u32> = (0..n as u32).collect();
+        for k in (0..D).filter(|&k| !self.domain.periodic[k]) {
+            let sides = [self.domain.min[k], self.domain.max[k]];
+            // Images of images stand round the corners.
+            for e in 0..places.len() {
+                for side in sides {
+                    if self.hosts[original[e] as usize] && (places[e][k] - side).abs() < reach {
+                        let mut image = places[e];
+                        image[k] = 2.0 * side - image[k];
+                        places.push(image);
+                        original.push(original[e]);
+                    }
+                }
+            }
+        }
+        (places, original)
+    }
+
+    /// Whether the way -x from a place crosses a barrier.
+    fn separated(&self, from: &Vector<D>, x: &Vector<D>) -> bool {
         self.barriers.iter().filter(|barrier| barrier.axis < D).any(|barrier| {
             let k = barrier.axis;
-            let (a, b) = (from[k] - barrier.at, from[k] + way[k] - barrier.at);
+            let (a, b) = (from[k] - barrier.at, from[k] - x[k] - barrier.at);
             if self.domain.periodic[k] {
                 let length = self.domain.max[k] - self.domain.min[k];
                 (a / length).floor() != (b / length).floor()

@@ -29,9 +29,10 @@ pub fn front(full: bool) -> Result<Verdict, RunError> {
                         .extend((0..table.len()).map(|row| table.number(row, &format!("{letter}_{column}"))));
                 }
                 let error = if ours.len() == exact.len() { relative_l2(&ours, &exact) } else { f64::NAN };
-                // The mean of means is within the sampling error: 941 molecules per particle at most.
-                let limit =
-                    if kind == "continuous" { 3e-3 } else { 3e-3 + 1.0 / (20.0 * f64::from(count)).sqrt() };
+                // Measured 8.5e-4 at worst, second order in the spacing; the mean of an ensemble adds its
+                // sampling error, 941 molecules in a particle at most.
+                let sampling = 2.0 / (941.0 * f64::from(count)).sqrt();
+                let limit = if kind == "continuous" { 1.5e-3 } else { 1.5e-3 + sampling };
                 rows.push(Row {
                     quantity: format!("{kind}: A and B at {time} s, relative L2 error"),
                     ours: error,
