@@ -13,13 +13,15 @@ mod face;
 use cases::*;
 use face::{Bench, amounts};
 use gillesph::chemistry::AVOGADRO;
-use gillesph::tables::SeriesTable;
+use gillesph::tables::{SeriesTable, list_particles, read_particles};
 use rstest::rstest;
 
 const REALIZATIONS: u32 = 10_000;
 const LIMIT: f64 = 4.7;
 /// m³ in a femtolitre.
 const FL: f64 = 1e-18;
+/// mol/m³ in a nanomole per litre.
+const NM: f64 = 1e-6;
 
 /// Rate constant of a bimolecular reaction in m³/mol/s, from fL per molecule and s.
 fn second(k: f64) -> f64 {
@@ -124,18 +126,17 @@ fn receptor_occupancy(
         "{ equation: R -> RL, law: \"k_a * (L / (1 nM)) * R\" }",
     ][way];
     let kinetics = ["molecules", "molecules", "concentration"][way];
-    // 33 molecules by count; 0.33 nM is no whole number of molecules in 1 fL, in 10 pL it is 1987.3.
-    let (volume, ligand) = if way == 2 { ("1 fL", "{ molecules: 33 }") } else { ("1 fL", "33") };
-    let k_a = if way == 2 { 0.4 * 0.33 / (33.0 * zeroth(1.0) * 1e6) } else { 0.4 };
+    // 33 molecules in 1 fL stand for the 0.33; in the last way k_a multiplies their concentration over 1 nM.
+    let k_a = if way == 2 { 0.4 * 0.33 / (33.0 * zeroth(1.0) / NM) } else { 0.4 };
     let model = format!(
         "name: receptors\nreactions:\n  species: [L, R, RL]\n  parameters: {{ k_a: {k_a:e} 1/s }}\n  \
          kinetics: {kinetics}\n  reactions:\n    bind: {bind}\n    \
-         part: {{ equation: RL -> R, rate: 0.4 1/s }}\ninitial: {{ L: {ligand}, R: 50 }}"
+         part: {{ equation: RL -> R, rate: 0.4 1/s }}\ninitial: {{ L: 33, R: 50 }}"
     );
-    let domain = format!("{{ kind: well_mixed, volume: {volume} }}");
     let times = [1.0, 2.0, 50.0];
     let seed = 31 + way as u32;
-    let series = play(&model, &domain, &format!("method: {method}"), &times, seed);
+    let series =
+        play(&model, "{ kind: well_mixed, volume: 1 fL }", &format!("method: {method}"), &times, seed);
     for (t, p) in times.into_iter().zip([0.1023672564403814, 0.1625007449892356, 0.24812030075118396]) {
         let what = format!("{method}, way {way}: RL at {t}");
         let bound = amounts(&series, "all", "RL", t);
@@ -218,6 +219,64 @@ fn two_voxel_annihilation(#[case] method: &str, #[case] seed: u32) {
         }
         assert_distribution(&amounts(&series, "all", "B", t), masses, &format!("{method}: B at {t}"));
     }
+}
+
+/// Diffusion from a held end of 1000 molecules to an empty one over 17 particles a distance 1/16 apart
+/// (lengths in 10 µm), diffusivity 0.1, t = 1, Lucy kernel with a cut-off of 1.8 spacings, normalised so that
+/// Σ_j V_j F_ij r_ij² = 1. Each end is held over two particles: then the outermost particle that counts has a
+/// neighbour on both sides, as the normalisation of the reference has it.
+fn dirichlet_line(chemistry: &str, realizations: u32) -> Vec<gillesph::tables::ParticleFrame> {
+    let text = format!(
+        "name: line\nreactions: {{ species: {{ A: {{ diffusion: 10 um^2/s }} }}, reactions: {{}} }}\n\
+         domain: {{ kind: particles, dimensions: 1, min: [-0.9375 um], max: [10.9375 um] }}\n\
+         particles: {{ spacing: 0.625 um, kernel: lucy, support: 1.8 }}\n\
+         groups:\n  left: {{ material: wall, shape: {{ box: {{ min: [-1 um], max: [0.3 um] }} }} }}\n  \
+         right: {{ material: wall, shape: {{ box: {{ min: [9.7 um], max: [11 um] }} }} }}\n  \
+         inner: {{ shape: everything_else }}\nfluid: {{ method: none }}\n\
+         conditions:\n  \
+         full: {{ held: {{ in: left, species: {{ A: {{ per_particle: 1000 }} }}, deal: poisson }} }}\n  \
+         empty: {{ held: {{ in: right, species: {{ A: 0 }} }} }}\n\
+         chemistry: {{ {chemistry} }}\n\
+         run: {{ until: 1 s, realizations: {realizations}, seed: 71 }}\n\
+         output: {{ times: [1 s], particles: {{ times: [1 s], realizations: {realizations} }} }}\n"
+    );
+    let bench = Bench::new();
+    let dir = bench.run(&bench.model("line.yaml", &text), "out", &[]);
+    let parts = list_particles(&dir);
+    assert_eq!(parts.len(), realizations as usize);
+    parts.iter().map(|(_, _, path)| read_particles(path).unwrap().1.remove(0)).collect()
+}
+
+/// Amounts of the 17 nodes from left to right, without the outer held particle at either end.
+fn nodes(frame: &gillesph::tables::ParticleFrame) -> Vec<f64> {
+    let mut order: Vec<usize> =
+        (0..frame.len()).filter(|&i| (-0.1e-6..10.1e-6).contains(&frame.position[i][0])).collect();
+    order.sort_by(|&a, &b| frame.position[a][0].total_cmp(&frame.position[b][0]));
+    order.into_iter().map(|i| frame.amounts[0][i]).collect()
+}
+
+#[test]
+fn dirichlet_line_continuous() {
+    let frames = dirichlet_line("representation: continuous", 1);
+    let seen = nodes(&frames[0]);
+    assert_eq!(seen.len(), LINE.len());
+    for (i, (n, c)) in seen.iter().zip(&LINE).enumerate() {
+        assert!((n / 1000.0 - c).abs() < 2e-5, "node {i}: {n} against {}", 1000.0 * c);
+    }
+}
+
+/// Independent Poisson numbers of the same means. 1000 realizations; the fourth central moment is Poisson's.
+#[test]
+fn dirichlet_line_discrete() {
+    const RUNS: u32 = 1000;
+    let seen: Vec<Vec<f64>> = dirichlet_line("representation: discrete", RUNS).iter().map(nodes).collect();
+    for i in 1..LINE.len() - 1 {
+        let mu = 1000.0 * LINE[i];
+        let x: Vec<f64> = seen.iter().map(|n| n[i]).collect();
+        assert_mean(&x, mu, mu, LIMIT, &format!("node {i}"));
+        assert_variance(&x, mu, poisson_m4(mu), LIMIT, &format!("node {i}"));
+    }
+    assert!(seen.iter().all(|n| n[16] == 0.0));
 }
 
 /// Chances of 0, 1, … molecules of C at 0.5, 2 and 100 s, by matrix exponential.
@@ -360,4 +419,25 @@ const APART: [(f64, [f64; 4], [f64; 4], [f64; 4]); 3] = [
         [0.7562113121452106, 0.5483315857609129, 0.18120662967663026, 0.24351805265513088],
         [1.655185200833758, 0.8482006014154094, 0.1664642521412256, 0.3054453528807444],
     ),
+];
+
+/// Concentration over that of the reservoir at the 17 nodes at t = 1, semi-discrete scheme.
+const LINE: [f64; 17] = [
+    1.0,
+    0.8887519004290038,
+    0.7796610360272388,
+    0.6747573855787941,
+    0.575828443639542,
+    0.48432636973678295,
+    0.401304797836714,
+    0.32738866651985754,
+    0.2627763024064995,
+    0.20726930531975077,
+    0.16032307083208033,
+    0.12110936679240018,
+    0.08858233867659458,
+    0.061540513692240735,
+    0.03867949436636421,
+    0.01863267028672595,
+    0.0,
 ];

@@ -66,3 +66,65 @@ pub fn amounts(series: &SeriesTable, group: &str, species: &str, time: f64) -> V
 pub fn record(dir: &Path) -> serde_json::Value {
     serde_json::from_str(&std::fs::read_to_string(dir.join("run.json")).unwrap()).unwrap()
 }
+
+/// A small, coarse channel: 200 particles of water at 1 µm (1 fL, 602 molecules at 1 µM) pumped past a
+/// disc of radius 2 µm whose rim carries receptors.
+pub fn channel(chemistry: &str, run: &str) -> String {
+    channel_with(
+        chemistry,
+        run,
+        "kinetics: concentration
+  reactions:
+    binding: { equation: R + L <-> RL, rate: 500 /uM/s, reverse: 500 1/s }",
+        "membrane: { R: 1 uM }",
+    )
+}
+
+/// The same with other reactions between `L`, `R` and `RL`, and other amounts at the start besides those of
+/// the inlet.
+pub fn channel_with(chemistry: &str, run: &str, reactions: &str, initial: &str) -> String {
+    format!(
+        "name: small_channel
+reactions:
+  species:
+    L:  {{ diffusion: 347 um^2/s }}
+    R:  {{ only_in: [membrane] }}
+    RL: {{ only_in: [membrane] }}
+  {reactions}
+domain:
+  kind: particles
+  dimensions: 2
+  thickness: 1 um
+  min: [0, 0]
+  max: [20 um, 10 um]
+  boundaries: {{ x: periodic, y: free_slip }}
+particles: {{ spacing: 1 um, kernel: lucy, support: 3 }}
+groups:
+  inlet:    {{ material: zone, shape: {{ box: {{ min: [0, 0], max: [3 um, 10 um] }} }} }}
+  membrane: {{ material: wall, spacing: 0.5 um, lattice: rings, shape: {{ ring: {{ centre: [10 um, 5 um], inner: 1 um, outer: 2 um }} }} }}
+  interior: {{ material: wall, spacing: 0.5 um, lattice: rings, shape: {{ disc: {{ centre: [10 um, 5 um], radius: 1 um }} }}, holds: none }}
+  medium:   {{ material: fluid, shape: everything_else }}
+fluid:
+  method: sph_bvf
+  density: 1000 kg/m^3
+  viscosity: 1 mPa s
+  speed: 1.25 mm/s
+  settle: 0.1 ms
+conditions:
+  inflow:
+    sponge: {{ in: inlet, rate: 1e9 1/s, velocity: [1.25 mm/s, 0], species: {{ L: 1 uM }} }}
+  outlet: {{ barrier: {{ axis: x, at: 0 }} }}
+initial:
+  inlet: {{ L: {{ concentration: 1 uM, deal: poisson }} }}
+  {initial}
+chemistry: {chemistry}
+run: {run}
+output:
+  every: 0.2 ms
+  particles: {{ times: [0, 0.2 ms], realizations: 1 }}
+  probes:
+    ring: {{ ring: {{ centre: [10 um, 5 um], inner: 1 um, outer: 2 um, sectors: 12, in: membrane }} }}
+    line: {{ line: {{ from: [3 um, 5 um], to: [19 um, 5 um], points: 17 }}, species: [L] }}
+"
+    )
+}
