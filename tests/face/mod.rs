@@ -38,7 +38,8 @@ impl Bench {
     /// Runs a model given as text and reads its series back.
     pub fn series(&self, text: &str, options: &[&str]) -> SeriesTable {
         let model = self.model("model.yaml", text);
-        read_series(&self.run(&model, "out", options)).unwrap()
+        let options = [options, &["--force"]].concat();
+        read_series(&self.run(&model, "out", &options)).unwrap()
     }
 }
 
@@ -68,7 +69,7 @@ pub fn record(dir: &Path) -> serde_json::Value {
 }
 
 /// A small, coarse channel: 200 particles of water at 1 µm (1 fL, 602 molecules at 1 µM) pumped past a
-/// disc of radius 2 µm whose rim carries receptors.
+/// disc of radius 2 µm whose rim carries receptors; 500 nM of ligand at the start, 1 µM at the inlet.
 pub fn channel(chemistry: &str, run: &str) -> String {
     channel_with(
         chemistry,
@@ -80,8 +81,8 @@ pub fn channel(chemistry: &str, run: &str) -> String {
     )
 }
 
-/// The same with other reactions between `L`, `R` and `RL`, and other amounts at the start besides those of
-/// the inlet.
+/// The same with other reactions between `L`, `R` and `RL`, and other amounts at the start besides
+/// the ligand.
 pub fn channel_with(chemistry: &str, run: &str, reactions: &str, initial: &str) -> String {
     format!(
         "name: small_channel
@@ -115,7 +116,7 @@ conditions:
     sponge: {{ in: inlet, rate: 1e9 1/s, velocity: [1.25 mm/s, 0], species: {{ L: 1 uM }} }}
   outlet: {{ barrier: {{ axis: x, at: 0 }} }}
 initial:
-  inlet: {{ L: {{ concentration: 1 uM, deal: poisson }} }}
+  medium: {{ L: {{ concentration: 500 nM, deal: poisson }} }}
   {initial}
 chemistry: {chemistry}
 run: {run}
