@@ -20,11 +20,11 @@ struct Short {
 }
 
 const CHANNEL_SET: &[&str] = &[
-    "run.until=0.4 ms",
-    "fluid.settle=0.1 ms",
-    "output.every=0.2 ms",
-    "output.particles={ times: [0, 0.4 ms] }",
-    "output.histogram=[ { species: RL, in: membrane, times: [0.4 ms] } ]",
+    "run.until=0.1 ms",
+    "fluid.settle=0.05 ms",
+    "output.every=0.05 ms",
+    "output.particles={ times: [0, 0.1 ms] }",
+    "output.histogram=[ { species: RL, in: membrane, times: [0.1 ms] } ]",
 ];
 const CHANNEL_GROUPS: &[&str] = &["all", "inlet", "medium", "membrane"];
 const CHANNEL_PROBES: &[&str] = &["centreline_x", "cross_0", "cross_minus", "cross_plus", "ring"];
