@@ -420,8 +420,11 @@ const APART_TOTAL_B: [[f64; 5]; 3] = [
     ],
 ];
 
-/// Time, then mean, variance and fourth central moment of A0, A1, B0, B1, by matrix exponential over 85 states.
-const APART: [(f64, [f64; 4], [f64; 4], [f64; 4]); 3] = [
+/// Time, then mean, variance and fourth central moment of A0, A1, B0, B1.
+type Moments = (f64, [f64; 4], [f64; 4], [f64; 4]);
+
+/// By matrix exponential over 85 states.
+const APART: [Moments; 3] = [
     (
         0.5,
         [4.46470641153805, 0.6783103099679232, 0.4000722194142978, 2.742944502091676],
