@@ -10,7 +10,7 @@ use crate::chemistry::network::{Kinetics, Network, Representation};
 use crate::chemistry::words::{number, propensity_words};
 use std::fmt::Write as _;
 
-/// The network in words: species, reactions with propensities and orders, conserved sums, linkage classes,
+/// The network in words: species, reactions with propensities and orders, conservation laws, linkage classes,
 /// deficiency.
 #[must_use]
 pub fn text(network: &Network) -> String {
@@ -48,7 +48,7 @@ pub fn text(network: &Network) -> String {
         push_row(&mut out, &reaction.name, width, &row);
     }
     let laws = conservation_words(&analysis, network);
-    let _ = writeln!(out, "\nconserved sums ({})", laws.len());
+    let _ = writeln!(out, "\nconservation laws ({})", laws.len());
     for law in &laws {
         let _ = writeln!(out, "  {law}");
     }

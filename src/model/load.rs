@@ -227,6 +227,7 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
         chemistry.method = Some(n.choice(
             &[
                 ("direct", Method::Direct),
+                ("next_reaction", Method::NextReaction),
                 ("next_subvolume", Method::NextSubvolume),
                 ("split", Method::Split),
             ],

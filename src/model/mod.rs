@@ -66,6 +66,8 @@ pub struct Chemistry {
 pub enum Method {
     /// Gillespie's direct method.
     Direct,
+    /// Gibson & Bruck's next reaction method.
+    NextReaction,
     /// Elf & Ehrenberg's next subvolume method.
     NextSubvolume,
     /// Exact sampling of diffusion and reaction in turn (Strang splitting).

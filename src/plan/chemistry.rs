@@ -53,7 +53,7 @@ pub fn method(model: &Model, discrete: &[bool], volumes: usize, faults: &mut Vec
     match model.chemistry.method {
         None if all_discrete => natural,
         None => Method::Split,
-        Some(method @ (Method::Direct | Method::NextSubvolume)) if !all_discrete => {
+        Some(method @ (Method::Direct | Method::NextReaction | Method::NextSubvolume)) if !all_discrete => {
             faults.push(Fault::at(
                 &model.places.chemistry,
                 "an event-driven method needs discrete species, and some are continuous",
@@ -61,13 +61,14 @@ pub fn method(model: &Model, discrete: &[bool], volumes: usize, faults: &mut Vec
             ));
             method
         }
-        Some(Method::Direct) if volumes > 1 => {
+        Some(method @ (Method::Direct | Method::NextReaction)) if volumes > 1 => {
+            let name = if method == Method::Direct { "direct" } else { "next reaction" };
             faults.push(Fault::at(
                 &model.places.chemistry,
-                "the direct method is for one volume, and this model has several",
+                format!("the {name} method is for one volume, and this model has several"),
                 "set method: next_subvolume",
             ));
-            Method::Direct
+            method
         }
         Some(method) => method,
     }

@@ -5,7 +5,7 @@ use super::{NotReady, Outcome, Tally, Watch};
 use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::split::{Frozen, SplitState, step_bounds};
 use crate::chemistry::ssa::next_subvolume::Graph;
-use crate::chemistry::ssa::{Direct, EventMethod, NextSubvolume};
+use crate::chemistry::ssa::{Direct, EventMethod, NextReaction, NextSubvolume};
 use crate::error::RunError;
 use crate::model::Method;
 use crate::plan::limits::check_steps;
@@ -57,7 +57,7 @@ impl<'p> Ready<'p> {
         let sums = Sums::new(plan, slot, &arena.volumes, arena.volumes.len());
         let split = match arena.method {
             Method::Split => Some(split(plan, arena, &start)?),
-            Method::Direct | Method::NextSubvolume => None,
+            Method::Direct | Method::NextReaction | Method::NextSubvolume => None,
         };
         Ok(Ready { plan, arena, start, sums, split })
     }
@@ -67,6 +67,7 @@ impl<'p> Ready<'p> {
     pub fn steps(&self) -> StepsRecord {
         let method = match self.arena.method {
             Method::Direct => "direct method (Gillespie 1976), exact",
+            Method::NextReaction => "next reaction method (Gibson & Bruck 2000), exact",
             Method::NextSubvolume => "next subvolume method (Elf & Ehrenberg 2004), exact",
             Method::Split => "diffusion and reaction in turn, Strang splitting",
         };
@@ -142,10 +143,14 @@ impl<'p> Ready<'p> {
             amounts[index as usize] += poisson(&mut random, mean) as f64;
         }
         let key = (seed, u64::from(number));
+        // The methods of one volume look at the first, which is all there is.
+        let (volume, home) = (arena.volumes[0], arena.home[0]);
         match arena.method {
             Method::Direct => {
-                let method = Direct::new(&plan.reactor, arena.volumes[0], arena.home[0], &[], amounts, key)?;
-                self.play(number, method, watch)
+                self.play(number, Direct::new(&plan.reactor, volume, home, &[], amounts, key)?, watch)
+            }
+            Method::NextReaction => {
+                self.play(number, NextReaction::new(&plan.reactor, volume, home, &[], amounts, key)?, watch)
             }
             Method::NextSubvolume => {
                 let graph = Graph {

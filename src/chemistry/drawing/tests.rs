@@ -25,7 +25,7 @@ reactions (4)
   d            2 L -> 0     order 2  a = 3 m^3/mol/s / (N_A V) * X_L (X_L - 1), L changes by -2
   f            0 -> L       order 0  a = 1 mol/m^3/s * N_A V, only in inlet
 
-conserved sums (1)
+conservation laws (1)
   R + RL
 
 linkage classes (2)
