@@ -25,10 +25,10 @@ pub(crate) struct Options {
     #[arg(long, value_name = "N|A..B", allow_hyphen_values = true)]
     realizations: Option<String>,
     /// Seed of the random streams
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Number of threads (default: all cores)
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Change a value of the model, e.g. --set run.until="1 s" (repeatable)
     #[arg(long, value_name = "PATH=VALUE")]
@@ -70,7 +70,8 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     if let Some(earlier) = earlier {
         take_up(&mut results, earlier, &dir)?;
     } else {
-        clear(&dir)?;
+        // Nothing was written yet: a folder that cannot be used is a fault of the input.
+        clear(&dir).map_err(|error| Fault::general(error.to_string(), "name another folder with --out"))?;
     }
     let wanted: Vec<u32> = block
         .clone()
@@ -108,9 +109,10 @@ fn block(text: Option<&str>, usual: u32) -> Result<Range<u32>, Fault> {
         )
     };
     let number = |part: &str| -> Result<u32, Fault> {
-        part.trim()
-            .parse()
-            .map_err(|_| wrong(format!("--realizations {text}: `{part}` is no whole number of realizations")))
+        part.trim().parse().map_err(|_| {
+            let most = u32::MAX;
+            wrong(format!("--realizations {text}: expected a whole number from 0 to {most}, found `{part}`"))
+        })
     };
     let block = match text.split_once("..") {
         Some((from, to)) => number(from)?..number(to)?,
@@ -123,7 +125,7 @@ fn block(text: Option<&str>, usual: u32) -> Result<Range<u32>, Fault> {
         ));
     }
     if block.is_empty() {
-        return Err(wrong(format!("--realizations {text}: no realizations")));
+        return Err(wrong(format!("--realizations {text}: at least one realization is needed")));
     }
     Ok(block)
 }
@@ -131,8 +133,8 @@ fn block(text: Option<&str>, usual: u32) -> Result<Range<u32>, Fault> {
 fn threads(asked: Option<usize>) -> Result<usize, Fault> {
     match asked {
         Some(n) if n == 0 || n > 4096 => Err(Fault::general(
-            format!("--threads {n}"),
-            "give a number from 1 to 4096, or leave it out for all cores",
+            format!("--threads {n}: expected 1 to 4096 threads"),
+            "leave the option out for all cores",
         )),
         Some(n) => Ok(n),
         None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
@@ -154,9 +156,16 @@ fn folder(dir: &Path, options: &Options) -> Result<Option<Results>, Stop> {
         }
         return Ok(None);
     }
-    let Ok(record) = tables::read_record(dir) else {
-        let reason = format!("{shown} is not empty and holds no run of this program");
-        return Err(Fault::general(reason, "name another folder with --out").into());
+    let record = match tables::read_record(dir) {
+        Ok(record) => record,
+        Err(error) => {
+            let reason = if dir.join("run.json").exists() {
+                format!("{shown} holds a run that cannot be read: {error}")
+            } else {
+                format!("{shown} is not empty and holds no run of this program")
+            };
+            return Err(Fault::general(reason, "name another folder with --out").into());
+        }
     };
     if options.force {
         return Ok(None);
@@ -258,20 +267,30 @@ fn announce(plan: &Plan, results: &Results, wanted: &[u32], dir: &Path, threads:
     }
 }
 
-fn finish(results: &Results, error: Option<RunError>, dir: &Path, options: &Options) -> Result<(), Stop> {
+/// What an unfinished run leaves, in words.
+fn kept(results: &Results, dir: &Path) -> String {
     let record = &results.record;
-    if options.json {
-        print(&serde_json::to_string_pretty(record).unwrap_or_default());
-        print("\n");
-    }
-    let kept = format!(
+    format!(
         "{} of {} realizations are complete, {} of {} output times are kept in {}",
         record.finished,
         record.realizations[1] - record.realizations[0],
         results.times.len(),
         record.times.len(),
         dir.display()
-    );
+    )
+}
+
+fn finish(results: &Results, error: Option<RunError>, dir: &Path, options: &Options) -> Result<(), Stop> {
+    let record = &results.record;
+    if options.json {
+        print(&serde_json::to_string_pretty(record).unwrap_or_default());
+        print("\n");
+    }
+    let kept = if results.blocks.is_empty() {
+        format!("no realization was finished; run.json in {} says how far it came", dir.display())
+    } else {
+        kept(results, dir)
+    };
     if let Some(error) = error {
         eprintln!("{kept}");
         return Err(Stop::Run(error));

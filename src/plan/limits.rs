@@ -67,18 +67,42 @@ pub fn check_memory(model: &Model, realizations: u32) -> Result<(), ModelError> 
     if need.bytes <= 0.9 * there && need.voxels < f64::from(u32::MAX) {
         return Ok(());
     }
+    // What one realization would need says which section asks for too much.
+    let by_size = estimate(model, 1).bytes > 0.5 * need.bytes;
+    let (place, remedy) = if by_size {
+        (
+            &model.places.domain,
+            "make the spacing coarser or the domain smaller, or look less often (output.every)",
+        )
+    } else {
+        (
+            &model.places.run,
+            "run fewer realizations at a time (--realizations A..B) and join them by `gillesph merge`, or look less often (output.every)",
+        )
+    };
     Err(Fault::at(
-        &model.places.domain,
+        place,
         format!(
-            "the model would need about {:.1} GB of memory ({:.3e} voxels with {:.0} neighbours, {realizations} realizations), and {:.1} GB are free",
-            need.bytes / 1e9,
+            "the model would need about {} of memory, and {} are free: {:.3e} voxels with {:.0} neighbours each, {realizations} realizations, {} output times",
+            bytes(need.bytes),
+            bytes(there),
             need.voxels,
             need.neighbours,
-            there / 1e9
+            model.output.times.len()
         ),
-        "make the spacing coarser or the domain smaller, ask for fewer realizations at a time (--realizations A..B), or fewer output times",
+        remedy,
     )
     .into())
+}
+
+/// An amount of memory in words.
+fn bytes(n: f64) -> String {
+    let units = [(1e15, ""), (1e12, "TB"), (1e9, "GB"), (1e6, "MB")];
+    match units.iter().find(|(size, _)| n >= *size) {
+        Some((_, "")) => format!("{:.1e} TB", n / 1e12),
+        Some((size, unit)) => format!("{:.1} {unit}", n / size),
+        None => format!("{:.0} kB", n / 1e3),
+    }
 }
 
 /// Refuses a run of too many steps.
@@ -96,7 +120,7 @@ pub fn check_steps(
     Err(Fault::at(
         place,
         format!("{steps:.3e} {what} steps of {step:.3e} s would be needed for {duration:.3e} s; at most 1e9 are allowed"),
-        format!("the step is limited by {limited_by}; relax that, or make run.until shorter"),
+        format!("the step is set by {limited_by}; relax that, or make run.until shorter"),
     )
     .into())
 }
