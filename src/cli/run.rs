@@ -67,6 +67,8 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     })?;
     let record = ensemble::record(&plan, &block, ready.steps(), threads);
     let mut results = ensemble::empty(&plan, record);
+    // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
+    let watch = Watch::on_terminal(options.quiet);
     if let Some(earlier) = earlier {
         take_up(&mut results, earlier, &dir)?;
     } else {
@@ -82,7 +84,6 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     }
     tables::write_record(&dir, &results.record)?;
 
-    let watch = Watch::on_terminal(options.quiet);
     let mut outcome = ready.run(&wanted, &watch);
     watch.end();
     ensemble::keep(&mut results, &dir, &mut outcome, plan.model.output.vtk)?;
@@ -296,7 +297,8 @@ fn finish(results: &Results, error: Option<RunError>, dir: &Path, options: &Opti
         return Err(Stop::Run(error));
     }
     if record.status == "interrupted" {
-        eprintln!("interrupted: {kept}; continue with --resume");
+        let how = if record.finished == 0 { "--resume starts again" } else { "continue with --resume" };
+        eprintln!("interrupted: {kept}; {how}");
         return Err(Stop::Interrupted);
     }
     if !options.quiet {
