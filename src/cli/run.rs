@@ -95,7 +95,17 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     performance.peak_rss_bytes = performance.peak_rss_bytes.max(usage.1);
     results.write(&dir)?;
     if !results.blocks.is_empty() && !results.times.is_empty() {
-        report::write(&dir)?;
+        let drawn = report::write(&dir);
+        if drawn.is_err() {
+            eprintln!(
+                "the tables are written; draw figures and report with `gillesph report {}`",
+                dir.display()
+            );
+        }
+        // A failed run says first why it failed.
+        if results.record.status == "finished" {
+            drawn?;
+        }
     }
     finish(&results, outcome.error, &dir, options)
 }
@@ -178,10 +188,12 @@ fn folder(dir: &Path, options: &Options) -> Result<Option<Results>, Stop> {
         );
     }
     if !options.resume {
-        let reason = format!(
-            "{shown} holds a run that is {} ({} realizations finished)",
-            record.status, record.finished
-        );
+        let state = match record.status.as_str() {
+            "running" => "is still going on, or was cut off",
+            "failed" => "failed",
+            _ => "was interrupted",
+        };
+        let reason = format!("{shown} holds a run that {state} ({} realizations finished)", record.finished);
         return Err(Fault::general(reason, "finish it with --resume, or replace it with --force").into());
     }
     if !dir.join("tables/series.parquet").exists() {

@@ -43,11 +43,16 @@ pub fn estimate(model: &Model, realizations: u32) -> Estimate {
         }
     };
     let columns = (model.domain.group_names().len() + 1) as f64 * species;
+    // Frames for the particle tables are kept until a realization is finished: place, velocity, four numbers.
+    let frames = model.output.particles.as_ref().map_or(0.0, |(times, written)| {
+        f64::from(realizations.min(*written)) * times.len() as f64 * voxels * (82.0 + 8.0 * species)
+    });
     // A particle's state and lists; a neighbour's entry in lists, links and tables; a realization's amounts,
     // clocks and scratch; a number of the series and its concentration.
     let bytes = voxels * (400.0 + neighbours * 40.0)
         + f64::from(realizations) * voxels * (16.0 * species + 8.0)
-        + f64::from(realizations) * columns * model.output.times.len() as f64 * 32.0;
+        + f64::from(realizations) * columns * model.output.times.len() as f64 * 32.0
+        + frames;
     Estimate { voxels, neighbours, bytes }
 }
 
@@ -72,7 +77,7 @@ pub fn check_memory(model: &Model, realizations: u32) -> Result<(), ModelError> 
     let (place, remedy) = if by_size {
         (
             &model.places.domain,
-            "make the spacing coarser or the domain smaller, or look less often (output.every)",
+            "make the spacing coarser or the domain smaller, or write fewer particle tables (output.particles: { times: [...] })",
         )
     } else {
         (
