@@ -104,7 +104,9 @@ pub fn conclude(
     let whole = results.times.len() == record.times.len();
     record.finished = if whole { results.blocks.len() as u32 } else { 0 };
     record.steps = tally.steps.clone();
-    let supplied: BTreeMap<String, f64> = plan
+    // Realizations of an interrupted run that were taken up count as well.
+    let earlier = std::mem::take(&mut record.health);
+    let mut supplied: BTreeMap<String, f64> = plan
         .reactor
         .species
         .iter()
@@ -112,10 +114,13 @@ pub fn conclude(
         .zip(tally.supplied.iter().copied())
         .filter(|(_, n)| *n != 0.0)
         .collect();
+    for (species, molecules) in earlier.molecules_supplied {
+        *supplied.entry(species).or_default() += molecules;
+    }
     let conservation = conservation(plan, &results.columns, &results.blocks, &supplied);
     let flow = tally.flow.as_ref();
     record.health = Health {
-        molecules_created_or_lost: tally.lost,
+        molecules_created_or_lost: earlier.molecules_created_or_lost + tally.lost,
         molecules_supplied: supplied,
         conservation,
         momentum_drift: None,

@@ -55,16 +55,12 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(place) = &self.place {
             writeln!(f, "{}:{}:{}  {}", place.source.path, place.line, place.column, self.reason)?;
-            if let Some(line) = place.source.text.lines().nth(place.line as usize - 1) {
+            if let Some(line) = place.source.text.lines().nth((place.line as usize).saturating_sub(1)) {
                 let number = place.line.to_string();
                 let blank = " ".repeat(number.len());
-                let before: String = line
-                    .chars()
-                    .take(place.column as usize - 1)
-                    .map(|c| if c == '\t' { '\t' } else { ' ' })
-                    .collect();
-                writeln!(f, "  {number} | {line}")?;
-                writeln!(f, "  {blank} | {before}{}", "^".repeat(place.width.max(1) as usize))?;
+                let (shown, carets) = excerpt(line, place.column as usize, place.width as usize);
+                writeln!(f, "  {number} | {shown}")?;
+                writeln!(f, "  {blank} | {carets}")?;
             }
         } else {
             writeln!(f, "{}", self.reason)?;
@@ -76,10 +72,62 @@ impl fmt::Display for Fault {
     }
 }
 
+/// Characters of a source line shown at most.
+const SHOWN: usize = 100;
+
+/// The part of a line round a fault, and the line of carets below it. What is cut off is marked by `…`.
+fn excerpt(line: &str, column: usize, width: usize) -> (String, String) {
+    let characters: Vec<char> = line.chars().collect();
+    let at = column.saturating_sub(1).min(characters.len());
+    // A third of what is shown stands before the fault.
+    let start = if characters.len() <= SHOWN {
+        0
+    } else {
+        at.saturating_sub(SHOWN / 3).min(characters.len() - SHOWN)
+    };
+    let end = (start + SHOWN).min(characters.len());
+    let mut shown = String::new();
+    let mut carets = String::new();
+    if start > 0 {
+        shown.push_str("… ");
+        carets.push_str("  ");
+    }
+    shown.extend(
+        characters[start..end].iter().map(|&c| if c != '\t' && c.is_control() { '\u{fffd}' } else { c }),
+    );
+    carets.extend(characters[start..at].iter().map(|&c| if c == '\t' { '\t' } else { ' ' }));
+    carets.push_str(&"^".repeat(width.clamp(1, (end - at).max(1))));
+    if end < characters.len() {
+        shown.push_str(" …");
+    }
+    (shown, carets)
+}
+
 /// Everything that is wrong with what the user wrote, reported together. Exit status 2.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct ModelError {
     pub faults: Vec<Fault>,
+}
+
+impl ModelError {
+    /// Faults in order of file, line and column; files in the order in which their first fault was found,
+    /// what belongs to no file first.
+    #[must_use]
+    pub fn sorted(mut faults: Vec<Fault>) -> ModelError {
+        let mut files: Vec<String> = Vec::new();
+        for place in faults.iter().filter_map(|fault| fault.place.as_ref()) {
+            if !files.contains(&place.source.path) {
+                files.push(place.source.path.clone());
+            }
+        }
+        faults.sort_by_key(|fault| {
+            fault.place.as_ref().map(|place| {
+                let file = files.iter().position(|path| *path == place.source.path);
+                (file, place.line, place.column)
+            })
+        });
+        ModelError { faults }
+    }
 }
 
 impl From<Fault> for ModelError {
@@ -107,9 +155,36 @@ pub enum RunError {
     #[error("t = {time:.6e} s, voxel {voxel}: {species} = {count} below zero after {event}")]
     NegativeCount { time: f64, voxel: usize, species: String, count: f64, event: String },
     /// A propensity that is negative, infinite or not a number.
-    #[error("t = {time:.6e} s, voxel {voxel}: the propensity of {reaction} is {value}, with {amounts}")]
+    #[error(
+        "t = {time:.6e} s, voxel {voxel}: the propensity of {reaction} is {value}, with {amounts}; a rate law must give a finite number, zero or more, for every amount"
+    )]
     Propensity { time: f64, voxel: usize, reaction: String, value: f64, amounts: String },
     /// A file of the run could not be written or read.
     #[error("{path}: {reason}")]
     File { path: String, reason: String },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_line_is_cropped_round_the_fault() {
+        let line = format!("{}Q{}", "é".repeat(400), "z".repeat(400));
+        for column in [1, 50, 401, 801] {
+            let (shown, carets) = excerpt(&line, column, 300);
+            assert!(shown.chars().count() <= SHOWN + 4 && carets.chars().count() <= SHOWN + 2);
+        }
+        let (shown, carets) = excerpt(&line, 401, 1);
+        let under = carets.chars().position(|c| c == '^').unwrap();
+        assert_eq!(shown.chars().nth(under), Some('Q'));
+        assert!(shown.starts_with('…') && shown.ends_with('…'));
+    }
+
+    #[test]
+    fn a_short_line_is_shown_whole() {
+        assert_eq!(excerpt("a: b", 4, 1), ("a: b".to_string(), "   ^".to_string()));
+        // A place behind the end, as of something that is missing there.
+        assert_eq!(excerpt("ab", 9, 5), ("ab".to_string(), "  ^".to_string()));
+    }
 }

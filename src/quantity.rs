@@ -115,7 +115,12 @@ fn after_number(characters: &[char], start: usize, end: usize) -> Option<TextFau
         ));
     }
     if next == '.' {
-        return Some(TextFault::new(start, end + rest - start, format!("\"{word}\" is not a number"), ""));
+        return Some(TextFault::new(
+            start,
+            end + rest - start,
+            format!("\"{word}\" is not a number"),
+            "write e.g. 5e-3",
+        ));
     }
     None
 }

@@ -5,6 +5,23 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Columns of a particle table before those of the species.
+pub const PARTICLE_COLUMNS: [&str; 13] = [
+    "time",
+    "particle",
+    "group",
+    "x",
+    "y",
+    "z",
+    "vx",
+    "vy",
+    "vz",
+    "density",
+    "pressure",
+    "volume_fraction",
+    "volume",
+];
+
 /// The whole of `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {

@@ -140,7 +140,12 @@ fn term(characters: &[char], start: usize, end: usize) -> Result<Term, TextFault
     let offset = at;
     if at == end {
         let at = at.min(characters.len().saturating_sub(1));
-        return Err(TextFault::new(at, 1, "a species is missing beside \"+\"", ""));
+        return Err(TextFault::new(
+            at,
+            1,
+            "a species is missing beside \"+\"",
+            "name it, or remove the \"+\"",
+        ));
     }
     let digits: String = characters[at..end].iter().take_while(|c| c.is_ascii_digit()).collect();
     let mut multiplicity = 1;

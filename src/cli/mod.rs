@@ -123,7 +123,7 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
         Err(Stop::Run(error)) => {
-            eprintln!("the run failed: {error}");
+            eprintln!("failed: {error}");
             ExitCode::from(1)
         }
         Err(Stop::Interrupted) => ExitCode::from(130),

@@ -25,10 +25,10 @@ pub(crate) struct Options {
     #[arg(long, value_name = "N|A..B", allow_hyphen_values = true)]
     realizations: Option<String>,
     /// Seed of the random streams
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Number of threads (default: all cores)
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Change a value of the model, e.g. --set run.until="1 s" (repeatable)
     #[arg(long, value_name = "PATH=VALUE")]
@@ -67,10 +67,13 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     })?;
     let record = ensemble::record(&plan, &block, ready.steps(), threads);
     let mut results = ensemble::empty(&plan, record);
+    // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
+    let watch = Watch::on_terminal(options.quiet);
     if let Some(earlier) = earlier {
         take_up(&mut results, earlier, &dir)?;
     } else {
-        clear(&dir)?;
+        // Nothing was written yet: a folder that cannot be used is a fault of the input.
+        clear(&dir).map_err(|error| Fault::general(error.to_string(), "name another folder with --out"))?;
     }
     let wanted: Vec<u32> = block
         .clone()
@@ -81,7 +84,6 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     }
     tables::write_record(&dir, &results.record)?;
 
-    let watch = Watch::on_terminal(options.quiet);
     let mut outcome = ready.run(&wanted, &watch);
     watch.end();
     ensemble::keep(&mut results, &dir, &mut outcome, plan.model.output.vtk)?;
@@ -93,7 +95,17 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     performance.peak_rss_bytes = performance.peak_rss_bytes.max(usage.1);
     results.write(&dir)?;
     if !results.blocks.is_empty() && !results.times.is_empty() {
-        report::write(&dir)?;
+        let drawn = report::write(&dir);
+        if drawn.is_err() {
+            eprintln!(
+                "the tables are written; draw figures and report with `gillesph report {}`",
+                dir.display()
+            );
+        }
+        // A failed run says first why it failed.
+        if results.record.status == "finished" {
+            drawn?;
+        }
     }
     finish(&results, outcome.error, &dir, options)
 }
@@ -108,9 +120,10 @@ fn block(text: Option<&str>, usual: u32) -> Result<Range<u32>, Fault> {
         )
     };
     let number = |part: &str| -> Result<u32, Fault> {
-        part.trim()
-            .parse()
-            .map_err(|_| wrong(format!("--realizations {text}: `{part}` is no whole number of realizations")))
+        part.trim().parse().map_err(|_| {
+            let most = u32::MAX;
+            wrong(format!("--realizations {text}: expected a whole number from 0 to {most}, found `{part}`"))
+        })
     };
     let block = match text.split_once("..") {
         Some((from, to)) => number(from)?..number(to)?,
@@ -123,7 +136,7 @@ fn block(text: Option<&str>, usual: u32) -> Result<Range<u32>, Fault> {
         ));
     }
     if block.is_empty() {
-        return Err(wrong(format!("--realizations {text}: no realizations")));
+        return Err(wrong(format!("--realizations {text}: at least one realization is needed")));
     }
     Ok(block)
 }
@@ -131,8 +144,8 @@ fn block(text: Option<&str>, usual: u32) -> Result<Range<u32>, Fault> {
 fn threads(asked: Option<usize>) -> Result<usize, Fault> {
     match asked {
         Some(n) if n == 0 || n > 4096 => Err(Fault::general(
-            format!("--threads {n}"),
-            "give a number from 1 to 4096, or leave it out for all cores",
+            format!("--threads {n}: expected 1 to 4096 threads"),
+            "leave the option out for all cores",
         )),
         Some(n) => Ok(n),
         None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
@@ -154,9 +167,16 @@ fn folder(dir: &Path, options: &Options) -> Result<Option<Results>, Stop> {
         }
         return Ok(None);
     }
-    let Ok(record) = tables::read_record(dir) else {
-        let reason = format!("{shown} is not empty and holds no run of this program");
-        return Err(Fault::general(reason, "name another folder with --out").into());
+    let record = match tables::read_record(dir) {
+        Ok(record) => record,
+        Err(error) => {
+            let reason = if dir.join("run.json").exists() {
+                format!("{shown} holds a run that cannot be read: {error}")
+            } else {
+                format!("{shown} is not empty and holds no run of this program")
+            };
+            return Err(Fault::general(reason, "name another folder with --out").into());
+        }
     };
     if options.force {
         return Ok(None);
@@ -168,10 +188,12 @@ fn folder(dir: &Path, options: &Options) -> Result<Option<Results>, Stop> {
         );
     }
     if !options.resume {
-        let reason = format!(
-            "{shown} holds a run that is {} ({} realizations finished)",
-            record.status, record.finished
-        );
+        let state = match record.status.as_str() {
+            "running" => "is still going on, or was cut off",
+            "failed" => "failed",
+            _ => "was interrupted",
+        };
+        let reason = format!("{shown} holds a run that {state} ({} realizations finished)", record.finished);
         return Err(Fault::general(reason, "finish it with --resume, or replace it with --force").into());
     }
     if !dir.join("tables/series.parquet").exists() {
@@ -258,26 +280,37 @@ fn announce(plan: &Plan, results: &Results, wanted: &[u32], dir: &Path, threads:
     }
 }
 
-fn finish(results: &Results, error: Option<RunError>, dir: &Path, options: &Options) -> Result<(), Stop> {
+/// What an unfinished run leaves, in words.
+fn kept(results: &Results, dir: &Path) -> String {
     let record = &results.record;
-    if options.json {
-        print(&serde_json::to_string_pretty(record).unwrap_or_default());
-        print("\n");
-    }
-    let kept = format!(
+    format!(
         "{} of {} realizations are complete, {} of {} output times are kept in {}",
         record.finished,
         record.realizations[1] - record.realizations[0],
         results.times.len(),
         record.times.len(),
         dir.display()
-    );
+    )
+}
+
+fn finish(results: &Results, error: Option<RunError>, dir: &Path, options: &Options) -> Result<(), Stop> {
+    let record = &results.record;
+    if options.json {
+        print(&serde_json::to_string_pretty(record).unwrap_or_default());
+        print("\n");
+    }
+    let kept = if results.blocks.is_empty() {
+        format!("no realization was finished; run.json in {} says how far it came", dir.display())
+    } else {
+        kept(results, dir)
+    };
     if let Some(error) = error {
         eprintln!("{kept}");
         return Err(Stop::Run(error));
     }
     if record.status == "interrupted" {
-        eprintln!("interrupted: {kept}; continue with --resume");
+        let how = if record.finished == 0 { "--resume starts again" } else { "continue with --resume" };
+        eprintln!("interrupted: {kept}; {how}");
         return Err(Stop::Interrupted);
     }
     if !options.quiet {

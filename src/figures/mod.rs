@@ -126,7 +126,11 @@ pub fn save(figure: &Figure, dir: &Path) -> Result<(), RunError> {
     std::fs::create_dir_all(dir).map_err(|e| fault(e.to_string()))?;
     // plotters chooses the format by the ending, so the temporary name keeps it.
     let temporary = dir.join(format!(".writing-{}.png", figure.name));
-    write_png(&figure.drawing, &temporary).map_err(fault)?;
+    write_png(&figure.drawing, &temporary).map_err(|reason| {
+        // Half a picture is of no use; if even that stays, the folder says so.
+        let _ = std::fs::remove_file(&temporary);
+        fault(reason)
+    })?;
     std::fs::rename(&temporary, &png).map_err(|e| fault(e.to_string()))?;
     if !figure.raster {
         tables::write_bytes(&dir.join(format!("{}.svg", figure.name)), svg(&figure.drawing).as_bytes())?;

@@ -1,7 +1,7 @@
 //! The `domain:` of a model, its groups of particles and its fluid.
 
 use super::conditions::{self, Condition};
-use super::node::Node;
+use super::node::{Key, Node};
 use super::reader::{Faults, Fields, nearest};
 use super::shapes;
 use crate::chemistry::Network;
@@ -159,7 +159,8 @@ pub fn read(sections: &Sections, network: &Network, faults: &mut Faults) -> Opti
             let volume =
                 fields.required("volume", faults).and_then(|n| n.positive(Dimension::VOLUME, faults));
             fields.finish(faults);
-            Some(Domain::WellMixed { volume: volume? })
+            // A volume with a fault stays, so that the rest of the model can be checked.
+            Some(Domain::WellMixed { volume: volume.unwrap_or(1.0) })
         }
         Kind::Graph => graph(fields, faults),
         Kind::Particles => {
@@ -243,7 +244,8 @@ fn graph(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
             }
         }
     }
-    Some(Domain::Graph { volumes: volumes.into_iter().collect::<Option<_>>()?, names, links })
+    let volumes = volumes.into_iter().map(|volume| volume.unwrap_or(1.0)).collect();
+    Some(Domain::Graph { volumes, names, links })
 }
 
 fn particles(
@@ -257,7 +259,7 @@ fn particles(
         if (1..=3).contains(&d) {
             return Some(d as usize);
         }
-        faults.at(&n.place, format!("{d} dimensions"), "dimensions is 1, 2 or 3");
+        faults.at(&n.place, format!("expected 1, 2 or 3 dimensions, found {d}"), "write 1, 2 or 3");
         None
     });
     let thickness = fields.optional("thickness").map(|n| n.positive(Dimension::LENGTH, faults));
@@ -281,17 +283,18 @@ fn particles(
         }
     }
     let fluid = sections.fluid.and_then(|node| fluid(node, d, faults));
-    let (spacing, kernel, support) = layout?;
+    // A layout with a fault is replaced, so that groups and conditions can be checked; NaN fits any box.
+    let (spacing, kernel, support) = layout.unwrap_or((f64::NAN, KernelKind::Lucy, 3.0));
     let groups = groups(sections, d, (&min, &max), spacing, network, faults);
     let mut domain = ParticleDomain {
         dimensions: d,
         thickness: match thickness {
-            Some(given) => given?,
+            Some(given) => given.unwrap_or(1e-6),
             None => 1e-6,
         },
         min,
         max,
-        boundaries: boundaries?,
+        boundaries: boundaries.unwrap_or_else(|| vec![Boundary::NoSlip; d]),
         spacing,
         kernel,
         support,
@@ -395,11 +398,15 @@ fn groups(
     let mut found: Vec<Group> = Vec::new();
     for (key, node) in fields.entries() {
         if key.name == "all" || key.name == "boundary" {
-            faults.at(&key.place, format!("the group name `{}` is taken", key.name), "choose another name");
+            faults.at(
+                &key.place,
+                format!("the group name `{}` is taken by the program", key.name),
+                "choose another name",
+            );
         }
-        if let Some(group) = group(&key.name, &key.place, node, d, spacing, network, faults) {
-            found.push(group);
-        }
+        // A group with a fault stays known by its name, so that its uses are not reported as well.
+        let read = group(&key.name, &key.place, node, d, spacing, network, faults);
+        found.push(read.unwrap_or_else(|| unread(key, spacing)));
     }
     if found.len() > 60 {
         faults.at(
@@ -413,12 +420,32 @@ fn groups(
         .filter(|group| group.shape == Shape::EverythingElse && group.material != Material::Zone)
         .count();
     if rest > 1 {
-        faults.at(&node.place, "two groups are `everything_else`", "only one group can take what is left");
+        let place =
+            found.iter().rfind(|group| group.shape == Shape::EverythingElse).map(|group| &group.place);
+        faults.at(
+            place.unwrap_or(&node.place),
+            format!("{rest} groups are `everything_else`"),
+            "only one group can take what is left; give the others a shape of their own",
+        );
     }
     for group in &found {
         check_fit(group, d, corners, faults);
     }
     Some(found)
+}
+
+/// Stands for a group that could not be read.
+fn unread(key: &Key, spacing: f64) -> Group {
+    Group {
+        name: key.name.clone(),
+        material: Material::Zone,
+        shape: Shape::EverythingElse,
+        lattice: Lattice::Square,
+        spacing,
+        jitter: 0.0,
+        holds: None,
+        place: key.place.clone(),
+    }
 }
 
 /// A square lattice must fit the box in whole cells.
@@ -441,6 +468,7 @@ fn check_fit(group: &Group, d: usize, (min, max): (&Vector<3>, &Vector<3>), faul
                 ),
                 format!("{:.6} um would give {whole} whole cells", (max[k] - min[k]) / whole * 1e6),
             );
+            return;
         }
     }
 }
@@ -552,7 +580,13 @@ pub fn species_index(name: &str, place: &Place, network: &Network, faults: &mut 
 /// The group of this name, or a fault with the nearest known name.
 pub fn group_index(name: &str, place: &Place, groups: &[String], faults: &mut Faults) -> Option<usize> {
     let found = groups.iter().position(|group| group == name);
-    if found.is_none() {
+    if found.is_none() && groups.is_empty() {
+        faults.at(
+            place,
+            format!("unknown group `{name}`: a well-mixed volume has no groups"),
+            "remove it, or choose a domain of kind graph or particles",
+        );
+    } else if found.is_none() {
         let names: Vec<&str> = groups.iter().map(String::as_str).collect();
         faults.at(place, format!("unknown group `{name}`"), did_you_mean(name, &names, "groups"));
     }

@@ -171,7 +171,7 @@ fn molecules(node: &Node, faults: &mut Faults) -> Option<f64> {
     if value < 0.0 || value.fract() != 0.0 || value > 9.0e15 {
         faults.at(
             &node.place,
-            format!("{value} molecules"),
+            format!("expected a whole number of molecules from 0 to 9e15, found {}", node.plain()),
             "a bare number counts whole molecules, zero or more; for a concentration add a unit, e.g. 20 nM",
         );
         return None;

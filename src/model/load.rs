@@ -6,7 +6,7 @@ use super::{Chemistry, Method, Model, Places, domain, initial, output, reactions
 use crate::chemistry::{Network, Representation};
 use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::Dimension;
-use crate::record::ModelText;
+use crate::record::{ModelText, PARTICLE_COLUMNS};
 use sha2::{Digest, Sha256};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -84,12 +84,13 @@ fn read_file(path: &Path, asked_at: Option<&Place>) -> Result<Arc<Source>, Fault
             let reason = match error.kind() {
                 std::io::ErrorKind::NotFound => format!("the file {shown} does not exist"),
                 std::io::ErrorKind::InvalidData => format!("the file {shown} is not text in UTF-8"),
+                std::io::ErrorKind::IsADirectory => format!("{shown} is a folder, not a file"),
                 _ => format!("the file {shown} cannot be read: {error}"),
             };
             let remedy = "check the path; paths in a model are relative to the model file";
             match asked_at {
                 Some(place) => Fault::at(place, reason, remedy),
-                None => Fault::general(reason, "check the path"),
+                None => Fault::general(reason, "give the path of a model or reactions file, a text in YAML"),
             }
         },
     )
@@ -158,9 +159,12 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
     });
     let domain = domain?;
     check_only_in(&network, &domain, faults);
+    check_names(&network, &domain, faults);
     let initial = initial::read(initial_node, &domain, &network, faults);
+    // Nothing lies after an end that could not be read: comparisons with NaN find no fault.
+    let until = run.as_ref().map_or(f64::NAN, |run| run.until);
+    let output = output::read_output(output_node, until, &domain, &network, faults);
     let run = run?;
-    let output = output::read_output(output_node, run.until, &domain, &network, faults);
     let place = |node: Option<&Node>| node.map_or_else(|| root.place.clone(), |n| n.place.clone());
     Some(Model {
         name: name?,
@@ -217,14 +221,15 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
     };
     let Some(node) = node else { return Some(chemistry) };
     let mut fields = Fields::of(node, "chemistry", faults)?;
-    if let Some(n) = fields.optional("representation") {
-        chemistry.representation = n.choice(
+    let representation = fields.optional("representation").and_then(|n| {
+        n.choice(
             &[("discrete", Representation::Discrete), ("continuous", Representation::Continuous)],
             faults,
-        )?;
-    }
-    if let Some(n) = fields.optional("method") {
-        chemistry.method = Some(n.choice(
+        )
+    });
+    chemistry.representation = representation.unwrap_or(chemistry.representation);
+    chemistry.method = fields.optional("method").and_then(|n| {
+        n.choice(
             &[
                 ("direct", Method::Direct),
                 ("next_reaction", Method::NextReaction),
@@ -232,19 +237,36 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
                 ("split", Method::Split),
             ],
             faults,
-        )?);
-    }
-    if let Some(n) = fields.optional("step") {
-        chemistry.step = Some(n.positive(Dimension::TIME, faults)?);
-    }
-    if let Some(n) = fields.optional("hops") {
-        chemistry.hops = n.positive(Dimension::NONE, faults)?;
-    }
-    if let Some(n) = fields.optional("change") {
-        chemistry.change = n.positive(Dimension::NONE, faults)?;
+        )
+    });
+    chemistry.step = fields.optional("step").and_then(|n| n.positive(Dimension::TIME, faults));
+    for (key, value) in [("hops", &mut chemistry.hops), ("change", &mut chemistry.change)] {
+        let given = fields.optional(key).and_then(|n| n.positive(Dimension::NONE, faults));
+        *value = given.unwrap_or(*value);
     }
     fields.finish(faults);
     Some(chemistry)
+}
+
+/// A species may be called neither like a group nor, on particles, like a column of their table.
+fn check_names(network: &Network, domain: &domain::Domain, faults: &mut Faults) {
+    let groups = domain.group_names();
+    let particles = matches!(domain, domain::Domain::Particles(_));
+    for species in &network.species {
+        let name = species.name.as_str();
+        let taken = if groups.iter().any(|group| group == name) {
+            "a group of this model"
+        } else if particles && PARTICLE_COLUMNS.contains(&name) {
+            "a column of the particle tables"
+        } else {
+            continue;
+        };
+        faults.at(
+            &species.place,
+            format!("the species name `{name}` is taken: it is the name of {taken}"),
+            "rename the species",
+        );
+    }
 }
 
 /// Every `only_in` must name a group of the domain.

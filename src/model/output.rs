@@ -1,6 +1,6 @@
 //! The `run:` and `output:` of a model: for how long, how often, and what is looked at.
 
-use super::domain::{Domain, group_index, pad, species_index};
+use super::domain::{Domain, ParticleDomain, axis_name, group_index, pad, species_index};
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
 use crate::chemistry::Network;
@@ -69,7 +69,11 @@ pub fn read_run(node: &Node, faults: &mut Faults) -> Option<Run> {
         None => Some(1),
         Some(n) => n.integer(faults).and_then(|count| {
             if count < 1 || count > i64::from(u32::MAX) {
-                faults.at(&n.place, format!("{count} realizations"), "at least one realization is needed");
+                faults.at(
+                    &n.place,
+                    format!("expected a number of realizations from 1 to {}, found {count}", u32::MAX),
+                    "give how many times the model is to be run, e.g. realizations: 100",
+                );
                 return None;
             }
             Some(count as u32)
@@ -79,7 +83,11 @@ pub fn read_run(node: &Node, faults: &mut Faults) -> Option<Run> {
         None => Some(1),
         Some(n) => n.integer(faults).and_then(|seed| {
             if seed < 0 {
-                faults.at(&n.place, format!("seed {seed}"), "a seed is a whole number, zero or more");
+                faults.at(
+                    &n.place,
+                    format!("expected a seed of at least 0, found {seed}"),
+                    "any whole number from 0 will do",
+                );
                 return None;
             }
             Some(seed as u64)
@@ -91,7 +99,7 @@ pub fn read_run(node: &Node, faults: &mut Faults) -> Option<Run> {
             if !(1..=4096).contains(&threads) {
                 faults.at(
                     &n.place,
-                    format!("{threads} threads"),
+                    format!("expected 1 to 4096 threads, found {threads}"),
                     "give a number from 1 to 4096, or leave it out for all cores",
                 );
                 return None;
@@ -104,12 +112,13 @@ pub fn read_run(node: &Node, faults: &mut Faults) -> Option<Run> {
         Some(n) => n.positive(Dimension::TIME, faults).map(Some),
     };
     fields.finish(faults);
+    // What has a fault of its own is replaced, so that the output can be checked.
     Some(Run {
-        until: until?,
-        realizations: realizations?,
-        seed: seed?,
-        threads: threads?,
-        checkpoint_every: checkpoint_every?,
+        until: until.unwrap_or(f64::NAN),
+        realizations: realizations.unwrap_or(1),
+        seed: seed.unwrap_or(1),
+        threads: threads.unwrap_or(None),
+        checkpoint_every: checkpoint_every.unwrap_or(None),
     })
 }
 
@@ -192,7 +201,7 @@ pub fn read_output(
     }
     if let Some(node) = node {
         let mut fields = Fields::of(node, "output", faults)?;
-        if let Some(found) = times(&mut fields, until, faults)? {
+        if let Some(found) = times(&mut fields, until, faults).flatten() {
             output.times = found;
         }
         if let Some(n) = fields.optional("particles") {
@@ -202,13 +211,13 @@ pub fn read_output(
             output.probes = probes(n, domain, network, faults);
         }
         if let Some(n) = fields.optional("covariance") {
-            output.covariance = n.boolean(faults)?;
+            output.covariance = n.boolean(faults).unwrap_or(false);
         }
         if let Some(n) = fields.optional("vtk") {
-            output.vtk = n.boolean(faults)?;
+            output.vtk = n.boolean(faults).unwrap_or(false);
         }
         if let Some(n) = fields.optional("histogram") {
-            for item in n.list(faults)? {
+            for item in n.list(faults).unwrap_or_default() {
                 output.histograms.extend(histogram(item, until, domain, network, faults));
             }
         }
@@ -299,7 +308,7 @@ fn probes(node: &Node, domain: &Domain, network: &Network, faults: &mut Faults) 
         };
         fields.finish(faults);
         let shape = match (line, ring) {
-            (Some(n), None) => read_line(n, particles.dimensions, faults),
+            (Some(n), None) => read_line(n, particles, faults),
             (None, Some(n)) => read_ring(n, particles, domain, faults),
             _ => {
                 faults.at(
@@ -333,18 +342,43 @@ fn at_least(
     Some(value as usize)
 }
 
-fn read_line(node: &Node, d: usize, faults: &mut Faults) -> Option<ProbeShape> {
+fn read_line(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<ProbeShape> {
+    let d = domain.dimensions;
     let mut fields = Fields::of(node, "line", faults)?;
-    let from = fields.required("from", faults).and_then(|n| n.vector(Dimension::LENGTH, d, faults));
-    let to = fields.required("to", faults).and_then(|n| n.vector(Dimension::LENGTH, d, faults));
+    let mut end = |key: &'static str, faults: &mut Faults| {
+        let node = fields.required(key, faults)?;
+        let x = pad(&node.vector(Dimension::LENGTH, d, faults)?);
+        if outside(&x, domain) > 0.0 {
+            faults.at(&node.place, format!("the line's end `{key}` lies outside the box"), box_words(domain));
+        }
+        Some(x)
+    };
+    let from = end("from", faults);
+    let to = end("to", faults);
     let points = at_least(&mut fields, "points", 2, 101, faults);
     fields.finish(faults);
-    Some(ProbeShape::Line { from: pad(&from?), to: pad(&to?), points: points? })
+    Some(ProbeShape::Line { from: from?, to: to?, points: points? })
+}
+
+/// How far a place lies outside the box, m; up to a billionth of the box is rounding.
+fn outside(x: &Vector<3>, domain: &ParticleDomain) -> f64 {
+    let (min, max) = (&domain.min, &domain.max);
+    let beyond: Vector<3> = Vector::from_fn(|k, _| (min[k] - x[k]).max(x[k] - max[k]).max(0.0));
+    let far = beyond.norm();
+    if far <= 1e-9 * (max - min).norm() { 0.0 } else { far }
+}
+
+fn box_words(domain: &ParticleDomain) -> String {
+    let side = |k: usize| {
+        format!("{} from {:.6} to {:.6} um", axis_name(k), domain.min[k] * 1e6, domain.max[k] * 1e6)
+    };
+    let sides: Vec<String> = (0..domain.dimensions).map(side).collect();
+    format!("move it into the box: {}", sides.join(", "))
 }
 
 fn read_ring(
     node: &Node,
-    particles: &super::domain::ParticleDomain,
+    particles: &ParticleDomain,
     domain: &Domain,
     faults: &mut Faults,
 ) -> Option<ProbeShape> {
@@ -362,5 +396,16 @@ fn read_ring(
         Some(n) => Some(group_index(n.text(faults)?, &n.place, &domain.group_names(), faults)?),
     };
     fields.finish(faults);
-    Some(ProbeShape::Ring { centre: pad(&centre?), inner: inner?, outer: outer?, sectors: sectors?, group })
+    let (centre, inner, outer) = (pad(&centre?), inner?, outer?);
+    if inner >= outer {
+        faults.at(
+            &node.place,
+            "the ring has no width: `inner` is not less than `outer`",
+            "make `outer` larger",
+        );
+    }
+    if outside(&centre, particles) > outer {
+        faults.at(&node.place, "the ring lies outside the box", box_words(particles));
+    }
+    Some(ProbeShape::Ring { centre, inner, outer, sectors: sectors?, group })
 }

@@ -184,7 +184,11 @@ fn read_reaction(key: &Key, node: &Node, scope: &Scope, faults: &mut Faults) -> 
     let what = format!("reaction \"{}\"", key.name);
     let mut fields = Fields::of(node, &what, faults)?;
     if key.name.trim().is_empty() {
-        faults.at(&key.place, "a reaction without a name", "");
+        faults.at(
+            &key.place,
+            "a reaction without a name",
+            "write a name before the colon, e.g. binding: { … }",
+        );
     }
     let equation = fields.required("equation", faults);
     let written = Rates {

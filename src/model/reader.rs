@@ -42,21 +42,8 @@ impl Faults {
 
     /// All faults in order of file, line and column.
     #[must_use]
-    pub fn into_error(mut self) -> ModelError {
-        // Files in the order in which their first fault was found.
-        let mut files: Vec<String> = Vec::new();
-        for place in self.list.iter().filter_map(|fault| fault.place.as_ref()) {
-            if !files.contains(&place.source.path) {
-                files.push(place.source.path.clone());
-            }
-        }
-        self.list.sort_by_key(|fault| {
-            fault.place.as_ref().map(|place| {
-                let file = files.iter().position(|path| *path == place.source.path);
-                (file, place.line, place.column)
-            })
-        });
-        ModelError { faults: self.list }
+    pub fn into_error(self) -> ModelError {
+        ModelError::sorted(self.list)
     }
 
     /// The value if nothing is wrong, all faults otherwise.

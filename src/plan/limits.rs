@@ -43,11 +43,16 @@ pub fn estimate(model: &Model, realizations: u32) -> Estimate {
         }
     };
     let columns = (model.domain.group_names().len() + 1) as f64 * species;
+    // Frames for the particle tables are kept until a realization is finished: place, velocity, four numbers.
+    let frames = model.output.particles.as_ref().map_or(0.0, |(times, written)| {
+        f64::from(realizations.min(*written)) * times.len() as f64 * voxels * (82.0 + 8.0 * species)
+    });
     // A particle's state and lists; a neighbour's entry in lists, links and tables; a realization's amounts,
     // clocks and scratch; a number of the series and its concentration.
     let bytes = voxels * (400.0 + neighbours * 40.0)
         + f64::from(realizations) * voxels * (16.0 * species + 8.0)
-        + f64::from(realizations) * columns * model.output.times.len() as f64 * 32.0;
+        + f64::from(realizations) * columns * model.output.times.len() as f64 * 32.0
+        + frames;
     Estimate { voxels, neighbours, bytes }
 }
 
@@ -67,18 +72,42 @@ pub fn check_memory(model: &Model, realizations: u32) -> Result<(), ModelError> 
     if need.bytes <= 0.9 * there && need.voxels < f64::from(u32::MAX) {
         return Ok(());
     }
+    // What one realization would need says which section asks for too much.
+    let by_size = estimate(model, 1).bytes > 0.5 * need.bytes;
+    let (place, remedy) = if by_size {
+        (
+            &model.places.domain,
+            "make the spacing coarser or the domain smaller, or write fewer particle tables (output.particles: { times: [...] })",
+        )
+    } else {
+        (
+            &model.places.run,
+            "run fewer realizations at a time (--realizations A..B) and join them by `gillesph merge`, or look less often (output.every)",
+        )
+    };
     Err(Fault::at(
-        &model.places.domain,
+        place,
         format!(
-            "the model would need about {:.1} GB of memory ({:.3e} voxels with {:.0} neighbours, {realizations} realizations), and {:.1} GB are free",
-            need.bytes / 1e9,
+            "the model would need about {} of memory, and {} are free: {:.3e} voxels with {:.0} neighbours each, {realizations} realizations, {} output times",
+            bytes(need.bytes),
+            bytes(there),
             need.voxels,
             need.neighbours,
-            there / 1e9
+            model.output.times.len()
         ),
-        "make the spacing coarser or the domain smaller, ask for fewer realizations at a time (--realizations A..B), or fewer output times",
+        remedy,
     )
     .into())
+}
+
+/// An amount of memory in words.
+fn bytes(n: f64) -> String {
+    let units = [(1e15, ""), (1e12, "TB"), (1e9, "GB"), (1e6, "MB")];
+    match units.iter().find(|(size, _)| n >= *size) {
+        Some((_, "")) => format!("{:.1e} TB", n / 1e12),
+        Some((size, unit)) => format!("{:.1} {unit}", n / size),
+        None => format!("{:.0} kB", n / 1e3),
+    }
 }
 
 /// Refuses a run of too many steps.
@@ -96,7 +125,7 @@ pub fn check_steps(
     Err(Fault::at(
         place,
         format!("{steps:.3e} {what} steps of {step:.3e} s would be needed for {duration:.3e} s; at most 1e9 are allowed"),
-        format!("the step is limited by {limited_by}; relax that, or make run.until shorter"),
+        format!("the step is set by {limited_by}; relax that, or make run.until shorter"),
     )
     .into())
 }

@@ -105,7 +105,7 @@ impl Plan {
         let columns = chemistry::columns(&model, &reactor, &groups);
         let plan = Plan { model, network, analysis, reactor, arena, columns };
         start::check(&plan, &mut faults);
-        if faults.is_empty() { Ok(plan) } else { Err(ModelError { faults }) }
+        if faults.is_empty() { Ok(plan) } else { Err(ModelError::sorted(faults)) }
     }
 
     /// Conserved sums in words and their coefficients by species.

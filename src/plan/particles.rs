@@ -342,7 +342,8 @@ fn check_overlap<const D: usize>(
             .iter()
             .filter(|(x, _)| other.shape.signed_distance(&embed(x)) < -1e-9 * group.spacing)
             .count();
-        if inside > 0 {
+        let known = format!("`{}` and `{}` overlap", other.name, group.name);
+        if inside > 0 && !faults.iter().any(|fault| fault.reason.contains(&known)) {
             let walls =
                 matches!((group.material, other.material), (Material::Wall { .. }, Material::Wall { .. }));
             faults.push(Fault::at(

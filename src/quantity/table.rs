@@ -3,6 +3,9 @@
 use crate::quantity::dimension::Dimension;
 use crate::quantity::nearest::did_you_mean;
 
+/// How units are written, for messages.
+pub(super) const WRITTEN: &str = "units are written like um^2/s, mol/m^3, nM, 1/s, mPa s, fL, degC";
+
 /// Factor to SI as 10^exponent · numerator / denominator, and the dimension. Powers of ten are kept apart
 /// so that decimal units round once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,11 +122,7 @@ pub(crate) fn suggestion(word: &str) -> String {
         .flat_map(|(symbol, _, _)| usual.iter().map(move |prefix| format!("{prefix}{symbol}")));
     let all: Vec<String> = plain.into_iter().chain(prefixed).collect();
     let near = did_you_mean(word, all.iter().map(String::as_str));
-    if near.is_empty() {
-        "units are written like um^2/s, mol/m^3, nM, 1/s, mPa s, fL, degC".to_string()
-    } else {
-        near
-    }
+    if near.is_empty() { WRITTEN.to_string() } else { near }
 }
 
 /// Characters of which unit words are made.

@@ -1,7 +1,7 @@
 //! Products, quotients and powers of units as people write them.
 
 use crate::quantity::dimension::Dimension;
-use crate::quantity::table::{Unit, decimal, find, is_unit_letter, suggestion};
+use crate::quantity::table::{Unit, WRITTEN, decimal, find, is_unit_letter, suggestion};
 use crate::quantity::{Quantity, TextFault};
 
 impl Unit {
@@ -13,8 +13,8 @@ impl Unit {
         let unit = reader.product()?;
         match reader.characters.get(reader.at) {
             None => Ok(unit),
-            Some(')') => Err(TextFault::new(reader.at, 1, "this parenthesis was never opened", "")),
-            Some(c) => Err(TextFault::new(reader.at, 1, format!("unexpected \"{c}\" in a unit"), "")),
+            Some(')') => Err(TextFault::new(reader.at, 1, "this parenthesis was never opened", "remove it")),
+            Some(c) => Err(TextFault::new(reader.at, 1, format!("unexpected \"{c}\" in a unit"), WRITTEN)),
         }
     }
 
@@ -128,7 +128,7 @@ impl UnitReader {
             factors += 1;
         }
         if factors == 0 {
-            return Err(TextFault::new(self.at, 1, "expected a unit", ""));
+            return Err(TextFault::new(self.at, 1, "expected a unit", WRITTEN));
         }
         Ok(out)
     }
@@ -140,7 +140,7 @@ impl UnitReader {
             Some('(') => {
                 self.depth += 1;
                 if self.depth > DEEPEST {
-                    return Err(TextFault::new(start, 1, "too many parentheses in a unit", ""));
+                    return Err(TextFault::new(start, 1, "too many parentheses in a unit", WRITTEN));
                 }
                 self.at += 1;
                 let inner = self.product()?;
@@ -165,7 +165,7 @@ impl UnitReader {
                         Some(c) => (self.at, format!(", found \"{c}\"")),
                         None => (self.at.saturating_sub(1), String::new()),
                     };
-                    return Err(TextFault::new(at, 1, format!("expected a unit{found}"), ""));
+                    return Err(TextFault::new(at, 1, format!("expected a unit{found}"), WRITTEN));
                 }
                 self.at += length;
                 find(&word).ok_or_else(|| {
@@ -189,7 +189,12 @@ impl UnitReader {
         }
         let powered = base.power(power);
         if powered.dimension.0.iter().any(|k| k.unsigned_abs() > 60) || powered.exponent.abs() > 300 {
-            return Err(TextFault::new(exponent_at, self.at - exponent_at, "this exponent is too large", ""));
+            return Err(TextFault::new(
+                exponent_at,
+                self.at - exponent_at,
+                "this exponent is too large",
+                "exponents go up to 12",
+            ));
         }
         Ok(powered)
     }
@@ -241,7 +246,12 @@ impl UnitReader {
         }
         match digits.parse::<i8>() {
             Ok(power) if power.unsigned_abs() <= 12 => Ok(power),
-            _ => Err(TextFault::new(from, self.at - from, "this is no exponent between -12 and 12", "")),
+            _ => Err(TextFault::new(
+                from,
+                self.at - from,
+                "this is no exponent between -12 and 12",
+                "e.g. m^2 or s^-1",
+            )),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Progress on the terminal, and the wish to stop.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,10 +39,10 @@ impl Watch {
     /// Begins to count to `total` in `unit`s.
     pub fn begin(&self, total: u64, unit: &'static str) {
         let style = ProgressStyle::with_template(
-            "{elapsed_precise} [{bar:40.cyan/blue}] {pos}/{len} {msg} ({per_sec}, {eta} left)",
+            "{elapsed_precise} [{bar:40.cyan/blue}] {pos}/{len} {msg} ({rate}, {eta} left)",
         );
         if let Ok(style) = style {
-            self.bar.set_style(style.progress_chars("=> "));
+            self.bar.set_style(style.progress_chars("=> ").with_key("rate", rate));
         }
         self.bar.set_length(total);
         self.bar.set_position(0);
@@ -64,4 +65,11 @@ impl Watch {
     pub fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
+}
+
+/// Steps or realizations a second, with one decimal where there are few.
+fn rate(state: &ProgressState, out: &mut dyn Write) {
+    let rate = state.per_sec();
+    // The bar is decoration: what cannot be written is left out.
+    let _ = if rate < 100.0 { write!(out, "{rate:.1}/s") } else { write!(out, "{rate:.0}/s") };
 }

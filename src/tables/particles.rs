@@ -2,25 +2,9 @@
 
 use super::frame::{self, Table};
 use crate::error::RunError;
+use crate::record::PARTICLE_COLUMNS;
 use polars::prelude::*;
 use std::path::{Path, PathBuf};
-
-/// Names of the columns that are not a species.
-const FIXED: [&str; 13] = [
-    "time",
-    "particle",
-    "group",
-    "x",
-    "y",
-    "z",
-    "vx",
-    "vy",
-    "vz",
-    "density",
-    "pressure",
-    "volume_fraction",
-    "volume",
-];
 
 /// All particles of one realization at one time; the arrays are parallel.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,7 +65,7 @@ pub fn write_particles(
     frames: &[ParticleFrame],
 ) -> Result<(), RunError> {
     let path = dir.join(format!("tables/particles/realization={realization:04}/part-{part:05}.parquet"));
-    if let Some(name) = species.iter().find(|s| FIXED.contains(&s.as_str())) {
+    if let Some(name) = species.iter().find(|s| PARTICLE_COLUMNS.contains(&s.as_str())) {
         let reason = format!("species {name} has the name of another column; rename it");
         return Err(RunError::File { path: path.display().to_string(), reason });
     }
@@ -140,10 +124,11 @@ pub fn list_particles(dir: &Path) -> Vec<(u32, u32, PathBuf)> {
 /// [`RunError::File`] if the file or a column is missing.
 pub fn read_particles(path: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), RunError> {
     let table = Table::read(path)?;
-    let species: Vec<String> = table.names().into_iter().filter(|n| !FIXED.contains(&n.as_str())).collect();
+    let species: Vec<String> =
+        table.names().into_iter().filter(|n| !PARTICLE_COLUMNS.contains(&n.as_str())).collect();
     let time = table.reals("time")?;
     let (groups, group) = frame::index_of_names(&table.text("group")?);
-    let n = FIXED[3..].iter().map(|name| table.reals(name)).collect::<Result<Vec<_>, _>>()?;
+    let n = PARTICLE_COLUMNS[3..].iter().map(|name| table.reals(name)).collect::<Result<Vec<_>, _>>()?;
     let amounts = species.iter().map(|name| table.reals(name)).collect::<Result<Vec<_>, _>>()?;
     let mut frames = Vec::new();
     let mut start = 0;

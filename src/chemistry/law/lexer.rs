@@ -90,7 +90,7 @@ fn unexpected(c: char, offset: usize) -> TextFault {
         '=' => "comparisons are written ==, <, <=, >, >=, !=",
         '[' | ']' => "species stand for their concentrations (or counts) without brackets",
         '&' | '|' => "combine conditions by products: (A > 1) * (B > 1)",
-        _ => "",
+        _ => "an expression has numbers, names, + - * / ^, comparisons and parentheses",
     };
     TextFault::new(offset, 1, format!("unexpected \"{c}\" in an expression"), remedy)
 }

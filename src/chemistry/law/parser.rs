@@ -80,7 +80,12 @@ pub(super) fn parse(text: &str) -> Result<Tree, TextFault> {
     match parser.tokens.get(parser.at) {
         None => Ok(tree),
         Some(token) => Err(match &token.symbol {
-            Symbol::Close => TextFault::new(token.offset, 1, "this parenthesis was never opened", ""),
+            Symbol::Close => TextFault::new(
+                token.offset,
+                1,
+                "this parenthesis was never opened",
+                "remove it, or open it before",
+            ),
             Symbol::Comma => {
                 TextFault::new(token.offset, 1, "a comma outside a function", "decimals have a point")
             }
@@ -198,7 +203,8 @@ impl Parser {
     fn atom(&mut self) -> Result<Tree, TextFault> {
         let Some(token) = self.tokens.get(self.at).cloned() else {
             let reason = "the expression ends where a value is expected";
-            return Err(TextFault::new(self.end.saturating_sub(1), 1, reason, ""));
+            let remedy = "add a number, a name or a parenthesis";
+            return Err(TextFault::new(self.end.saturating_sub(1), 1, reason, remedy));
         };
         self.at += 1;
         let Token { symbol, offset, width } = token;
@@ -221,7 +227,8 @@ impl Parser {
                 Ok(inner)
             }
             Symbol::Operator(_) | Symbol::Close | Symbol::Comma => {
-                Err(TextFault::new(offset, width, "expected a number, a name or a parenthesis", ""))
+                let reason = "expected a number, a name or a parenthesis";
+                Err(TextFault::new(offset, width, reason, "add it before this"))
             }
         }
     }

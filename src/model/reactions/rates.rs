@@ -90,7 +90,7 @@ fn constant(node: &Node, what: &str, order: Option<u32>, scope: &Scope, faults: 
         _ => node.number(faults)?,
     };
     if value < 0.0 || !value.is_finite() {
-        let reason = format!("{what}: a rate may not be negative, found {value:e}");
+        let reason = format!("{what}: a rate may not be negative, found {}", node.plain());
         faults.at(&node.place, reason, "for the other direction use <-> and \"reverse\"");
         return None;
     }

@@ -37,7 +37,7 @@ impl Node {
         if let Value::Bool(value) = self.value {
             return Some(value);
         }
-        self.expected("true or false", "", faults);
+        self.expected("true or false", "write true or false without quotes", faults);
         None
     }
 
@@ -60,7 +60,11 @@ impl Node {
         let value = self.integer(faults)?;
         u64::try_from(value).map_or_else(
             |_| {
-                faults.at(&self.place, format!("expected a number from zero, found {value}"), "");
+                faults.at(
+                    &self.place,
+                    format!("expected a number from zero, found {value}"),
+                    "write 0 or more",
+                );
                 None
             },
             Some,
@@ -73,7 +77,7 @@ impl Node {
         if value > 0 {
             return Some(value as u64);
         }
-        faults.at(&self.place, format!("expected a number from one, found {value}"), "");
+        faults.at(&self.place, format!("expected a number from one, found {value}"), "write 1 or more");
         None
     }
 
@@ -122,7 +126,8 @@ impl Node {
                 }
             },
             _ => {
-                self.expected("a finite number or a quantity such as \"5 um\"", "", faults);
+                let remedy = "write a number, and its unit behind it where it has one";
+                self.expected("a finite number or a quantity such as \"5 um\"", remedy, faults);
                 None
             }
         }
@@ -137,7 +142,7 @@ impl Node {
         faults.at(
             &self.place,
             format!("expected a positive {}, found {}", bare_name(dimension), self.plain()),
-            "",
+            "give a value greater than zero",
         );
         None
     }
@@ -151,7 +156,7 @@ impl Node {
         faults.at(
             &self.place,
             format!("{} may not be negative, found {}", bare_name(dimension), self.plain()),
-            "",
+            "give a value of zero or more",
         );
         None
     }
@@ -188,7 +193,7 @@ impl Node {
             Value::Text(text) => text.clone(),
             Value::Bool(value) => value.to_string(),
             _ => {
-                self.expected(&format!("one of {}", words.join(", ")), "", faults);
+                self.expected(&format!("one of {}", words.join(", ")), "write one of these words", faults);
                 return None;
             }
         };
@@ -216,11 +221,12 @@ impl Node {
     }
 
     /// The scalar as it would be written.
-    fn plain(&self) -> String {
+    #[must_use]
+    pub fn plain(&self) -> String {
         match &self.value {
             Value::Text(text) => text.clone(),
             Value::Integer(value) => value.to_string(),
-            Value::Real(value) => value.to_string(),
+            Value::Real(value) => format!("{value:?}"),
             _ => self.describe(),
         }
     }
@@ -233,7 +239,7 @@ impl Node {
         match &self.value {
             Value::Text(text) if text.contains(['_', ',']) => "digits are written without separators",
             Value::Text(_) => "without quotes and without a unit",
-            _ => "",
+            _ => "write digits only, e.g. 100",
         }
     }
 }

@@ -1,0 +1,242 @@
+//! What a user can get wrong: one message with place, reason and remedy, exit status 2, nothing written.
+
+use assert_cmd::Command;
+use rstest::rstest;
+use std::path::Path;
+use tempfile::TempDir;
+
+const VOLUME: &str = "\
+name: t
+reactions:
+  species: { A: { diffusion: 1 um^2/s }, B: { diffusion: 0 } }
+  kinetics: concentration
+  parameters: { k: 1 1/s, zero: 0 }
+  reactions: { decay: { equation: A -> B, rate: k } }
+domain: { kind: well_mixed, volume: 1 fL }
+initial: { A: 100 }
+run: { until: 1 s, realizations: 3, seed: 1 }
+output: { every: 0.1 s }
+";
+
+const PARTICLES: &str = "\
+name: t
+reactions:
+  species: { A: { diffusion: 1 um^2/s }, B: { diffusion: 0 } }
+  reactions: { decay: { equation: A -> B, rate: 1 1/s } }
+domain:
+  kind: particles
+  dimensions: 2
+  min: [0, 0]
+  max: [8 um, 8 um]
+  boundaries: { x: periodic, y: no_slip }
+particles: { spacing: 1 um, support: 2 }
+groups:
+  medium: { material: fluid, shape: everything_else }
+fluid: { method: sph_bvf, density: 1000 kg/m^3, viscosity: 1 mPa s, speed: 1 mm/s }
+initial: { medium: { A: 1000 } }
+run: { until: 1 us, realizations: 2, seed: 1 }
+output: { every: 1 us }
+";
+
+fn gillesph(folder: &Path, arguments: &[&str]) -> (i32, String) {
+    let output =
+        Command::cargo_bin("gillesph").unwrap().current_dir(folder).args(arguments).output().unwrap();
+    assert!(output.stdout.is_empty(), "nothing belongs on standard output");
+    (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+/// Runs a model with one change; the only entry of its folder must stay the model.
+fn refused(model: &str, from: &str, to: &str, options: &[&str]) -> String {
+    assert!(model.contains(from), "{from}");
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("m.yaml"), model.replacen(from, to, 1)).unwrap();
+    let (status, message) = gillesph(folder.path(), &[&["run", "m.yaml"], options].concat());
+    assert_eq!(status, 2, "{message}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "something was written");
+    assert!(!message.contains("should never be in"), "{message}");
+    message
+}
+
+#[rstest]
+#[case::unknown_species("A -> B", "A -> Bb", "m.yaml:6:40", &["unknown species \"Bb\"", "did you mean \"B\""])]
+#[case::unknown_species_at_the_start("{ A: 100", "{ AA: 100", "m.yaml:8:12", &["unknown species `AA`", "did you mean `A`"])]
+#[case::unknown_unit("1 fL", "1 fLitre", "m.yaml:7:39", &["unknown unit \"fLitre\"", "units are written"])]
+#[case::wrong_dimension("1 fL", "1 um", "m.yaml:7:37", &["expected a volume", "found a length"])]
+#[case::syntax("100 }", "100", "m.yaml:9:4", &["not valid YAML", "missing comma"])]
+#[case::tab("  kinetics", "\tkinetics", "m.yaml:4:1", &["a tab in the indentation"])]
+#[case::duplicate_key("seed: 1", "seed: 1, seed: 2", "m.yaml:9:46", &["\"seed\" is given twice", "m.yaml:9:37"])]
+#[case::unknown_key("seed: 1", "sead: 1", "m.yaml:9:37", &["unknown key \"sead\"", "did you mean \"seed\""])]
+#[case::order_four("A -> B", "2 A + 2 B -> B", "m.yaml:6:35", &["order 4", "up to 3"])]
+#[case::negative_rate("rate: k", "rate: -1 1/s", "m.yaml:6:49", &["a rate may not be negative", "reverse"])]
+#[case::rate_not_a_number("rate: k", "rate: .nan", "m.yaml:6:49", &["expected a finite number"])]
+#[case::infinite_rate("rate: k", "rate: .inf", "m.yaml:6:49", &["expected a finite number"])]
+#[case::division_by_zero("rate: k", "rate: k / zero", "m.yaml:6:49", &["not a finite number", "division by zero"])]
+#[case::law_with_unknown_name("rate: k", "law: \"vmax * A\"", "m.yaml:6:49", &["unknown name \"vmax\"", "A, B, k"])]
+#[case::law_of_wrong_dimension("rate: k", "law: \"A * A\"", "m.yaml:6:49", &["expected concentration per time"])]
+#[case::only_in_without_groups("B: { diffusion: 0", "B: { diffusion: 0, only_in: cell", "m.yaml:3:70", &["unknown group `cell`", "no groups"])]
+#[case::no_realizations("realizations: 3", "realizations: 0", "m.yaml:9:34", &["realizations from 1", "found 0"])]
+#[case::half_a_realization("realizations: 3", "realizations: 2.5", "m.yaml:9:34", &["expected a whole number"])]
+#[case::no_threads("seed: 1", "seed: 1, threads: 0", "m.yaml:9:55", &["1 to 4096 threads"])]
+#[case::negative_molecules("A: 100", "A: -5", "m.yaml:8:15", &["whole number of molecules", "found -5"])]
+#[case::half_a_molecule("A: 100", "A: 2.5", "m.yaml:8:15", &["whole number of molecules", "found 2.5"])]
+#[case::concentration_in_metres("A: 100", "A: 5 um", "m.yaml:8:15", &["expected a concentration", "found a length"])]
+#[case::negative_concentration("A: 100", "A: -5 nM", "m.yaml:8:15", &["concentration may not be negative"])]
+#[case::output_after_the_end("every: 0.1 s", "times: [0, 3 s]", "m.yaml:10:22", &["3 s lies after the end"])]
+#[case::too_many_outputs("every: 0.1 s", "every: 1e-12 s", "m.yaml:10:18", &["output times", "at most a million"])]
+#[case::histogram_of_unknown("every: 0.1 s", "histogram: [ { species: C } ]", "m.yaml:10:35", &["unknown species `C`"])]
+#[case::section_of_particles("output", "groups: { a: {} }\noutput", "m.yaml:10:9", &["belongs to a domain of kind particles"])]
+#[case::too_much_memory("realizations: 3", "realizations: 4000000000", "m.yaml:9:6", &["of memory", "are free", "--realizations A..B"])]
+#[case::time_that_ends_at_once("until: 1 s", "until: 0 s", "m.yaml:9:15", &["expected a positive time"])]
+fn of_a_volume(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {
+    check(&refused(VOLUME, from, to, &[]), place, words);
+}
+
+#[rstest]
+#[case::only_in_no_group("B: { diffusion: 0", "B: { diffusion: 0, only_in: mediom", "m.yaml:3:70", &["unknown group `mediom`", "did you mean `medium`"])]
+#[case::empty_group("groups:\n", "groups:\n  cell: { shape: { disc: { centre: [99 um, 0], radius: 1 um } } }\n", "m.yaml:13:3", &["group `cell` has no particles"])]
+#[case::overlapping_walls("groups:\n", "groups:\n  a: { material: wall, shape: { disc: { centre: [3 um, 4 um], radius: 2 um } } }\n  b: { material: wall, shape: { disc: { centre: [5 um, 4 um], radius: 2 um } } }\n", "m.yaml:13:3", &["the walls `a` and `b` overlap", "difference"])]
+#[case::spacing_that_does_not_fit("spacing: 1 um", "spacing: 0.3 um", "m.yaml:13:3", &["does not fit the box", "whole cells"])]
+#[case::two_take_the_rest("groups:\n", "groups:\n  rest: { shape: everything_else }\n", "m.yaml:14:3", &["`everything_else`", "only one"])]
+#[case::group_named_all("groups:\n  medium", "groups:\n  all", "m.yaml:13:3", &["`all` is taken"])]
+#[case::short_periodic_axis("[8 um, 8 um]", "[4 um, 8 um]", "m.yaml:6:3", &["periodic axis x", "three cut-offs"])]
+#[case::box_inside_out("[8 um, 8 um]", "[-8 um, 8 um]", "m.yaml:9:8", &["no extent along x"])]
+#[case::too_many_particles("[8 um, 8 um]", "[8 m, 8 m]", "m.yaml:6:3", &["of memory", "spacing coarser"])]
+#[case::too_many_fluid_steps("until: 1 us, realizations: 2, seed: 1 }\noutput: { every: 1 us }", "until: 1e5 s }\noutput: { every: 1e4 s }", "m.yaml:16:6", &["fluid steps", "at most 1e9", "set by viscosity"])]
+#[case::too_many_chemistry_steps("initial:", "chemistry: { step: 1e-20 s }\ninitial:", "m.yaml:15:12", &["chemistry steps", "the step given in the model"])]
+#[case::species_named_like_a_column("B: {", "vx: {", "m.yaml:3:42", &["`vx` is taken", "particle tables"])]
+#[case::species_named_like_a_group("B: {", "medium: {", "m.yaml:3:42", &["`medium` is taken", "a group"])]
+#[case::line_outside("every: 1 us", "probes: { p: { line: { from: [0, 0], to: [9 um, 0] } } }", "m.yaml:17:52", &["`to` lies outside the box"])]
+#[case::ring_outside("every: 1 us", "probes: { p: { ring: { centre: [4 um, 30 um], inner: 1 um, outer: 2 um } } }", "m.yaml:17:32", &["the ring lies outside the box"])]
+#[case::histogram_in_no_group("every: 1 us", "histogram: [ { species: A, in: cell } ]", "m.yaml:17:42", &["unknown group `cell`"])]
+#[case::unknown_condition("initial:", "conditions: { c: { spong: {} } }\ninitial:", "m.yaml:15:20", &["unknown condition `spong`"])]
+#[case::event_driven_particles("initial:", "chemistry: { method: direct }\ninitial:", "m.yaml:15:12", &["split method"])]
+fn of_particles(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {
+    check(&refused(PARTICLES, from, to, &[]), place, words);
+}
+
+/// The place begins a line, the source line and a caret follow, and the words stand somewhere.
+fn check(message: &str, place: &str, words: &[&str]) {
+    let lines: Vec<&str> = message.lines().collect();
+    let at = lines.iter().position(|line| line.starts_with(&format!("{place}  ")));
+    let Some(at) = at else { panic!("no fault at {place}:\n{message}") };
+    assert!(lines[at + 1].contains(" | ") && lines[at + 2].contains('^'), "{message}");
+    assert!(lines[at + 3].starts_with("    "), "what to do is missing:\n{message}");
+    for word in words {
+        assert!(message.contains(word), "`{word}` is missing:\n{message}");
+    }
+}
+
+#[rstest]
+#[case(&["--realizations", "0"], "at least one realization")]
+#[case(&["--realizations", "9..5"], "reversed")]
+#[case(&["--realizations", "5..5"], "at least one realization")]
+#[case(&["--realizations", "a..b"], "found `a`")]
+#[case(&["--realizations", "-1"], "found `-1`")]
+#[case(&["--threads", "0"], "1 to 4096 threads")]
+#[case(&["--threads", "-2"], "'-2'")]
+#[case(&["--set", "run.until"], "has no \"=\"")]
+#[case(&["--set", "run.util=1 s"], "did you mean \"until\"")]
+#[case(&["--set", "run.until=1 kg"], "expected a time")]
+#[case(&["--set", "run.until=["], "not valid YAML")]
+#[case(&["--resume"], "no run to resume")]
+#[case(&["--out", "m.yaml"], "is not a folder")]
+#[case(&["--out", "m.yaml/x"], "another folder with --out")]
+fn of_options(#[case] options: &[&str], #[case] words: &str) {
+    let message = refused(VOLUME, "name", "name", options);
+    assert!(message.contains(words), "{message}");
+}
+
+#[rstest]
+#[case::missing(None, "does not exist")]
+#[case::empty(Some(&b""[..]), "the file is empty")]
+#[case::binary(Some(&b"\x7fELF\xff\xfe\x00\x01"[..]), "not text in UTF-8")]
+#[case::list(Some(&b"- a\n- b\n"[..]), "m.yaml:1:1  the model: expected a mapping")]
+#[case::two_documents(Some(&b"name: a\n---\nname: b\n"[..]), "a second YAML document")]
+fn of_files(
+    #[case] content: Option<&[u8]>,
+    #[case] words: &str,
+    #[values("check", "run", "network")] verb: &str,
+) {
+    let folder = TempDir::new().unwrap();
+    if let Some(content) = content {
+        std::fs::write(folder.path().join("m.yaml"), content).unwrap();
+    }
+    let (status, message) = gillesph(folder.path(), &[verb, "m.yaml"]);
+    assert!(status == 2 && message.contains(words), "{status}: {message}");
+}
+
+#[rstest]
+#[case(&["check", "."], "is a folder")]
+#[case(&["report", "."], "holds no run")]
+#[case(&["report", "nowhere"], "holds no run")]
+#[case(&["merge", "whole", "nowhere"], "holds no run")]
+#[case(&["validate", "nocase"], "unknown case `nocase`")]
+fn of_other_verbs(#[case] arguments: &[&str], #[case] words: &str) {
+    let folder = TempDir::new().unwrap();
+    let (status, message) = gillesph(folder.path(), arguments);
+    assert!(status == 2 && message.contains(words), "{status}: {message}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_missing_reactions_file_is_pointed_at() {
+    let start = VOLUME.find("reactions:").unwrap();
+    let end = VOLUME.find("domain:").unwrap();
+    let model = format!("{}reactions: nowhere.yaml\n{}", &VOLUME[..start], &VOLUME[end..]);
+    let message = refused(&model, "name", "name", &[]);
+    check(&message, "m.yaml:2:12", &["nowhere.yaml does not exist", "relative to the model file"]);
+}
+
+#[test]
+fn all_faults_come_at_once_in_the_order_of_the_file() {
+    let model = "\
+name: a/b
+reactions:
+  species: { A: { diffusion: 1 um }, B: { difusion: 1 um^2/s } }
+  reactions: { decay: { equation: A -> Q, rate: -1 1/s } }
+domain: { kind: well_mixed, volume: 1 s }
+chemistry: { method: magic }
+initial: { Z: 100 }
+run: { until: 1 s, realizations: 0, sed: 1 }
+output: { every: -0.1 s, histogram: [ { species: K } ] }
+";
+    let message = refused(model, "name", "name", &[]);
+    let places: Vec<&str> = message
+        .lines()
+        .filter(|line| line.starts_with("m.yaml:"))
+        .filter_map(|l| l.split("  ").next())
+        .collect();
+    let expected =
+        ["1:7", "3:30", "3:43", "4:40", "4:49", "5:37", "6:22", "7:12", "8:34", "8:37", "9:18", "9:50"];
+    assert_eq!(places, expected.map(|at| format!("m.yaml:{at}")), "{message}");
+    assert!(message.ends_with("12 faults; nothing was written\n"));
+}
+
+#[test]
+fn folders_that_are_in_use_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let run =
+        |arguments: &[&str]| gillesph(folder.path(), &[&["run", "m.yaml", "--quiet"], arguments].concat());
+    std::fs::write(folder.path().join("m.yaml"), VOLUME).unwrap();
+    std::fs::create_dir(folder.path().join("notes")).unwrap();
+    std::fs::write(folder.path().join("notes/mine.txt"), "keep").unwrap();
+    for options in [&["--out", "notes"][..], &["--out", "notes", "--force"], &["--out", "notes", "--resume"]]
+    {
+        let (status, message) = run(options);
+        assert!(status == 2 && message.contains("holds no run of this program"), "{message}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path().join("notes")).unwrap().count(), 1);
+    for (out, block) in [("a", "0..3"), ("b", "2..4"), ("c", "5..6")] {
+        assert_eq!(run(&["--out", out, "--realizations", block]).0, 0);
+    }
+    assert_eq!(run(&["--out", "d", "--realizations", "3..5", "--seed", "9"]).0, 0);
+    let (status, message) = run(&["--out", "a"]);
+    assert!(status == 2 && message.contains("finished run") && message.contains("--force"), "{message}");
+    for (block, words) in
+        [("b", "overlap: realizations 2..3"), ("c", "3..5 are missing"), ("d", "different seeds")]
+    {
+        let (status, message) = gillesph(folder.path(), &["merge", "whole", "a", block]);
+        assert!(status == 2 && message.contains(words), "{message}");
+        assert!(!folder.path().join("whole").exists());
+    }
+}
