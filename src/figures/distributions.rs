@@ -3,8 +3,8 @@
 use super::colours::{BLACK, GREY, PALETTE};
 use super::drawing::{Anchor, LABEL};
 use super::panel::{Axis, Panel, grid};
-use super::units::{Scale, significant};
 use super::{Figure, Samples, WIDTH, clock};
+use crate::quantity::readable::{Scale, significant};
 use crate::statistics::{Summary, histogram, ln_gamma};
 
 const PANELS: usize = 12;

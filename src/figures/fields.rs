@@ -3,9 +3,10 @@
 use super::colours::{BLACK, Colour, PALE, WHITE, diverging, viridis};
 use super::drawing::{Anchor, HAIR, LABEL, text_width};
 use super::panel::{Axis, Panel, range};
-use super::units::{Scale, ticks};
+use super::ticks::ticks;
 use super::{Drawing, Figure, Samples, WIDTH, clock, slug, spread};
 use crate::chemistry::AVOGADRO;
+use crate::quantity::readable::Scale;
 use crate::statistics::quantile;
 use crate::tables::ParticleFrame;
 

@@ -13,14 +13,15 @@ mod probes;
 mod profiles;
 mod setup;
 mod svg;
+mod ticks;
 mod time;
-pub mod units;
 
 pub use bitmap::write_png;
 pub use drawing::Drawing;
 pub use svg::{escape, svg};
 
 use crate::error::RunError;
+use crate::quantity::readable::Scale;
 use crate::record::RunRecord;
 use crate::tables::{self, Bin, ParticleFrame, ProbeRows, SeriesTable};
 use std::path::Path;
@@ -135,8 +136,8 @@ pub fn save(figure: &Figure, dir: &Path) -> Result<(), RunError> {
 }
 
 /// The unit in which a run tells its times, one for all its figures.
-pub(crate) fn clock(samples: &Samples) -> units::Scale {
-    units::Scale::choose(samples.record.times.last().copied().unwrap_or(0.0), "s")
+pub(crate) fn clock(samples: &Samples) -> Scale {
+    Scale::choose(samples.record.times.last().copied().unwrap_or(0.0), "s")
 }
 
 /// A name that is safe in a file name.

@@ -2,7 +2,8 @@
 
 use super::colours::{BLACK, Colour, GREY};
 use super::drawing::{Anchor, Drawing, HAIR, LABEL, TITLE, text_width};
-use super::units::{Scale, ticks, ticks_every};
+use super::ticks::{ticks, ticks_every};
+use crate::quantity::readable::Scale;
 
 /// A value axis: range in SI and how it is shown.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use super::colours::{BLACK, Colour, GREY, PALE, PALETTE, viridis};
 use super::drawing::{Anchor, HAIR, LABEL, TITLE};
 use super::panel::{Axis, MARGIN, Panel, grid, legend, range};
-use super::units::Scale;
 use super::{Drawing, Figure, Samples, WIDTH, clock, slug, spread};
+use crate::quantity::readable::Scale;
 use crate::statistics::{mean, quantile};
 use crate::tables::ProbeRows;
 

@@ -1,7 +1,7 @@
 //! The tables of the page.
 
 use super::html::{table, table_of_html};
-use crate::figures::units::{grouped, show, significant};
+use crate::quantity::readable::{grouped, show, significant};
 use crate::figures::{Samples, escape};
 use crate::record::RunRecord;
 use crate::statistics::Summary;

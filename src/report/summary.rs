@@ -1,7 +1,7 @@
 //! The head of the page: what was run, what came out, whether the checks passed.
 
 use super::sections::{Verdict, checks};
-use crate::figures::units::{grouped, show, significant};
+use crate::quantity::readable::{grouped, show, significant};
 use crate::figures::{Samples, escape};
 use crate::statistics::Summary;
 use std::fmt::Write;
