@@ -8,9 +8,13 @@ pub mod colours;
 mod distributions;
 pub mod drawing;
 mod fields;
+mod overview;
+mod painting;
 pub mod panel;
+mod polar;
 mod probes;
 mod profiles;
+mod sections;
 mod setup;
 mod svg;
 mod ticks;
@@ -47,6 +51,8 @@ pub struct Samples {
     pub series: SeriesTable,
     pub probes: Vec<ProbeRows>,
     pub histograms: Vec<Bin>,
+    /// Covariances were asked for.
+    pub covariance: bool,
     /// Species of the particle frames.
     pub species: Vec<String>,
     /// Frames of the first realization, thinned to a few dozen; the first and last are kept.
@@ -65,7 +71,8 @@ impl Samples {
         let probes = if has("probes.parquet") { tables::read_probes(dir)? } else { Vec::new() };
         let histograms = if has("histogram.parquet") { tables::read_histograms(dir)? } else { Vec::new() };
         let (species, frames) = first_realization(dir)?;
-        Ok(Samples { record, series, probes, histograms, species, frames })
+        let covariance = has("covariance.parquet");
+        Ok(Samples { record, series, probes, histograms, covariance, species, frames })
     }
 }
 
@@ -105,6 +112,7 @@ fn first_realization(dir: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), Ru
 #[must_use]
 pub fn draw(samples: &Samples) -> Vec<Figure> {
     let mut out = Vec::new();
+    out.extend(overview::overview(samples));
     out.extend(setup::setup(samples));
     out.extend(fields::concentrations(samples));
     out.extend(fields::flow(samples));
@@ -143,6 +151,28 @@ pub(crate) fn clock(samples: &Samples) -> Scale {
 /// A name that is safe in a file name.
 pub(crate) fn slug(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
+}
+
+/// Up to four of the recorded times that tell most: those of the distributions asked for, the end, the middle and the
+/// quarters. The start is left out where two later times are known.
+pub(crate) fn moments(samples: &Samples, times: &[f64]) -> Vec<usize> {
+    const MOST: usize = 4;
+    let later: Vec<usize> = (0..times.len()).filter(|&k| times[k] > 0.0).collect();
+    let Some(&last) = later.last().filter(|_| later.len() > 1) else { return (0..times.len()).collect() };
+    let end = times[last];
+    let asked: Vec<f64> = samples.record.histograms.iter().flat_map(|h| h.times.iter().copied()).collect();
+    let asked = spread(asked.len(), MOST).into_iter().map(|k| asked[k]);
+    let mut chosen: Vec<usize> = Vec::new();
+    for target in asked.chain([1.0, 0.5, 0.25, 0.75].map(|part| part * end)) {
+        let away = |k: usize| (times[k] - target).abs();
+        let nearest = later.iter().copied().min_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap_or(last);
+        let apart = |&c: &usize| (times[c] - times[nearest]).abs() > 0.1 * end;
+        if chosen.len() < MOST && chosen.iter().all(apart) {
+            chosen.push(nearest);
+        }
+    }
+    chosen.sort_unstable();
+    chosen
 }
 
 /// Up to `most` indices spread evenly over 0..count, first and last among them.
