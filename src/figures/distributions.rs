@@ -105,7 +105,8 @@ fn total(samples: &Samples, c: usize) -> Option<f64> {
     let fixed = |columns: &[usize]| -> Option<f64> {
         let width = names.len();
         let mut sums = series.blocks.iter().flat_map(|b| {
-            (0..series.times.len()).map(move |t| columns.iter().map(|&k| b.amount[t * width + k]).sum::<f64>())
+            (0..series.times.len())
+                .map(move |t| columns.iter().map(|&k| b.amount[t * width + k]).sum::<f64>())
         });
         let first = sums.next()?;
         (first > 0.0 && first.fract() == 0.0 && sums.all(|s| s == first)).then_some(first)

@@ -19,7 +19,7 @@ pub fn overview(samples: &Samples) -> Option<Figure> {
     let name = &samples.species[k];
     let shape = map(samples, 0.0, 0.0, 1.0).height;
     // Wide domains take more than half of the sheet, but both panels have the same height.
-    let width = (88.0_f64).min(56.0 / shape.max(0.1));
+    let width = (80.0_f64).min(56.0 / shape.max(0.1));
     let map = map(samples, LEFT, MARGIN[1], width);
     let height = map.height.max(36.0);
     let left = LEFT + width + BETWEEN + MARGIN[0];
@@ -36,7 +36,13 @@ pub fn overview(samples: &Samples) -> Option<Figure> {
     draw_curves(&mut d, &samples.series.times, &curves, [left, MARGIN[1], right, height], None);
     let caption = format!(
         "Left: concentration of {name} in one realization. Right: {}.",
-        super::time::words(samples).trim_end_matches('.')
+        super::time::words(samples).replace("Thick:", "thick:").replace("One", "one").trim_end_matches('.')
     );
-    Some(Figure { name: "overview".into(), title: "At a glance".into(), caption, drawing: d, raster: true })
+    Some(Figure {
+        name: "overview".into(),
+        title: "Concentration at the end and its effect in time".into(),
+        caption,
+        drawing: d,
+        raster: true,
+    })
 }

@@ -110,7 +110,13 @@ pub(super) fn paint(samples: &Samples, d: &mut Drawing, panel: &Panel, field: &F
 }
 
 /// Arrows of the mean velocity of each cell of a square grid.
-pub(super) fn draw_arrows(samples: &Samples, d: &mut Drawing, panel: &Panel, frame: &ParticleFrame, fastest: f64) {
+pub(super) fn draw_arrows(
+    samples: &Samples,
+    d: &mut Drawing,
+    panel: &Panel,
+    frame: &ParticleFrame,
+    fastest: f64,
+) {
     const ACROSS: f64 = 22.0;
     let cell = (panel.x.high - panel.x.low) / ACROSS;
     let mut cells: std::collections::BTreeMap<(i64, i64), [f64; 5]> = std::collections::BTreeMap::new();

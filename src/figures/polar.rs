@@ -31,13 +31,14 @@ pub fn polar(samples: &Samples, name: &str) -> Option<Figure> {
     for (k, quantity) in quantities.iter().enumerate() {
         let Some(b) = sections(samples, name, quantity).pop() else { continue };
         (time, realizations) = (b.time, b.realizations);
-        let centre = [(k % columns) as f64 * cell + cell / 2.0, (k / columns) as f64 * row + cell / 2.0 + 7.0];
+        let centre =
+            [(k % columns) as f64 * cell + cell / 2.0, (k / columns) as f64 * row + cell / 2.0 + 7.0];
         let radius = cell / 2.0 - 9.0;
         let (low, high) = range(b.low.iter().chain(&b.high).copied());
         let scale = Scale::choose(low.abs().max(high.abs()), &unit(samples, name, quantity));
         let low = low.min(0.0) * scale.factor;
         // The outer circle is the first round value that holds everything.
-        let rings = ticks(low, high * scale.factor * 1.5, 5);
+        let rings = ticks(low, high * scale.factor * 1.3, 6);
         let step = if rings.len() > 1 { rings[1].0 - rings[0].0 } else { 1.0 };
         let edge = ((high * scale.factor / step - 1e-9).ceil() * step).max(low + step);
         let place = |s: f64, v: f64| {
@@ -45,7 +46,8 @@ pub fn polar(samples: &Samples, name: &str) -> Option<Figure> {
             [centre[0] + r * s.cos(), centre[1] - r * s.sin()]
         };
         for (v, _) in rings.iter().filter(|t| t.0 > low && t.0 <= edge * (1.0 + 1e-9)) {
-            let circle: Vec<[f64; 2]> = (0..=72).map(|i| place(f64::from(i) * 5f64.to_radians(), *v)).collect();
+            let circle: Vec<[f64; 2]> =
+                (0..=72).map(|i| place(f64::from(i) * 5f64.to_radians(), *v)).collect();
             d.line(&circle, HAIR, PALE);
         }
         for quarter in 0..4 {
@@ -62,16 +64,29 @@ pub fn polar(samples: &Samples, name: &str) -> Option<Figure> {
         };
         if b.realizations >= BAND {
             let outer = closed(&b.high);
-            d.area(&outer.into_iter().chain(closed(&b.low).into_iter().rev()).collect::<Vec<_>>(), PALETTE[0].faint(0.2));
+            d.area(
+                &outer.into_iter().chain(closed(&b.low).into_iter().rev()).collect::<Vec<_>>(),
+                PALETTE[0].faint(0.2),
+            );
         }
         d.line(&closed(&b.mean), 0.45, PALETTE[0]);
         let unit = if scale.unit.is_empty() { String::new() } else { format!(" {}", scale.unit) };
         let words = format!("circles every {}{unit}", significant(step, 3));
-        d.text([centre[0], centre[1] - radius - 13.0], quantity, TITLE, super::colours::BLACK, Anchor::Middle);
+        d.text(
+            [centre[0], centre[1] - radius - 13.0],
+            quantity,
+            TITLE,
+            super::colours::BLACK,
+            Anchor::Middle,
+        );
         d.text([centre[0], centre[1] - radius - 8.8], &words, LABEL * 0.92, GREY, Anchor::Middle);
     }
     let band = if realizations >= BAND { "; shaded: 5 to 95 % of them" } else { "" };
-    let who = if realizations > 1 { format!("Mean of {realizations} realizations{band}.") } else { "One realization.".into() };
+    let who = if realizations > 1 {
+        format!("Mean of {realizations} realizations{band}.")
+    } else {
+        "One realization.".into()
+    };
     Some(Figure {
         name: format!("probe_{}_polar", slug(name)),
         title: format!("{name} at {}", clock(samples).show(time)),

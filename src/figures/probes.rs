@@ -52,6 +52,7 @@ fn occupancy(samples: &Samples, name: &str) -> Option<Figure> {
     }
     let below = [p.left + p.width / 2.0, p.top + p.height + 11.0];
     d.text(below, "angle (degrees)", LABEL, BLACK, Anchor::Middle);
+    d.width += 5.0;
     d.height += 9.5;
     let bottom = d.height - 3.0;
     legend(&mut d, MARGIN[0], bottom, &shown);

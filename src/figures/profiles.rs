@@ -29,9 +29,15 @@ fn along_probe(samples: &Samples) -> Option<Figure> {
         .map(String::as_str)
         .filter(|q| unit(samples, &probe.name, q) == "mol/m^3")
         .collect();
+    // From the distance along the line to x.
+    let row = samples.probes.iter().find(|r| r.probe == probe.name && r.s.len() > 1)?;
+    let last = row.s.len() - 1;
+    let way = (row.position[last][0] - row.position[0][0]).signum();
+    let start = row.position[0][0] - way * row.s[0];
     let mut moments: Vec<Moment> = Vec::new();
     for (k, name) in names.iter().enumerate() {
-        for section in sections(samples, &probe.name, name) {
+        for mut section in sections(samples, &probe.name, name) {
+            section.s.iter_mut().for_each(|s| *s = start + way * *s);
             match moments.iter_mut().find(|m| m.time == section.time) {
                 Some(moment) => moment.sections.push((k, section)),
                 None => moments.push(Moment { time: section.time, sections: vec![(k, section)] }),

@@ -1,7 +1,7 @@
 //! Amounts, occupancy and Fano factor against time.
 
 use super::colours::{GREY, PALETTE};
-use super::panel::{Axis, Panel, grid};
+use super::panel::{Axis, Panel, grid, range};
 use super::{Drawing, Figure, Samples, WIDTH};
 use crate::statistics::{fano as fano_factor, mean, quantile};
 
@@ -38,12 +38,7 @@ pub fn amounts(samples: &Samples) -> Option<Figure> {
 }
 
 fn amount(samples: &Samples, c: usize) -> Curves {
-    Curves {
-        title: title(samples, c),
-        values: column(samples, c),
-        unit: "molecules",
-        label: "amount",
-    }
+    Curves { title: title(samples, c), values: column(samples, c), unit: "molecules", label: "amount" }
 }
 
 /// What a reader asks for first: occupancy, or the amount over the domain that changes most.
@@ -57,7 +52,7 @@ pub(super) fn headline(samples: &Samples) -> Option<Curves> {
     let names = &samples.series.columns;
     let change = |c: &usize| {
         let values = column(samples, *c);
-        let (low, high) = super::panel::range(values.iter().flatten().copied());
+        let (low, high) = range(values.iter().flatten().copied());
         high - low
     };
     let all = (0..names.len()).filter(|&c| names.groups[c] == "all");
@@ -73,7 +68,7 @@ pub fn occupancy(samples: &Samples) -> Option<Figure> {
 
 fn occupancies(samples: &Samples) -> Vec<Curves> {
     let names = &samples.series.columns;
-    let mut curves = Vec::new();
+    let (mut curves, mut places) = (Vec::new(), Vec::new());
     for (free, bound) in pairs(samples) {
         for c in 0..names.len() {
             let group = &names.groups[c];
@@ -86,10 +81,14 @@ fn occupancies(samples: &Samples) -> Vec<Curves> {
             let share = |x: &Vec<f64>, y: &Vec<f64>| x.iter().zip(y).map(|(x, y)| y / (x + y)).collect();
             let values: Vec<Vec<f64>> = x.iter().zip(&y).map(|(x, y)| share(x, y)).collect();
             if values.iter().flatten().any(|v| v.is_finite()) {
-                let title = format!("{bound}/({free} + {bound}) in {group}");
+                let title = format!("{bound}/({free} + {bound})");
+                places.push(format!(" in {group}"));
                 curves.push(Curves { title, values, unit: "1", label: "occupancy" });
             }
         }
+    }
+    if curves.len() > 1 {
+        curves.iter_mut().zip(places).for_each(|(curve, place)| curve.title += &place);
     }
     curves
 }
@@ -186,13 +185,7 @@ fn pairs(samples: &Samples) -> Vec<(String, String)> {
     out
 }
 
-fn figure(
-    samples: &Samples,
-    name: &str,
-    title: &str,
-    caption: &str,
-    curves: &[Curves],
-) -> Option<Figure> {
+fn figure(samples: &Samples, name: &str, title: &str, caption: &str, curves: &[Curves]) -> Option<Figure> {
     let times = &samples.series.times;
     if curves.is_empty() || times.len() < 2 {
         return None;
@@ -228,7 +221,12 @@ pub(super) fn draw_curves(
     reference: Option<f64>,
 ) {
     let n = curve.values.len();
-    let y = Axis::covering(curve.values.iter().flatten().copied(), curve.unit, curve.label).with_air();
+    let band = reference.map_or(vec![], |s| vec![(1.0 - s).max(0.0), 1.0 + s]);
+    let shown = range(curve.values.iter().flatten().copied());
+    // What lies far below the reference is shown on its own scale.
+    let band = band.into_iter().filter(|_| shown.1 > 0.5);
+    let y = Axis::covering(curve.values.iter().flatten().copied().chain(band), curve.unit, curve.label)
+        .with_air();
     let x = Axis::covering(times.iter().copied(), "s", "time");
     let p = Panel { left: frame[0], top: frame[1], width: frame[2], height: frame[3], x, y };
     let colour = PALETTE[0];

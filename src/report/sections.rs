@@ -1,10 +1,10 @@
 //! The tables of the page.
 
 use super::html::{table, table_of_html};
-use crate::quantity::readable::{grouped, show, significant};
 use crate::figures::{Samples, escape};
+use crate::quantity::readable::{grouped, show, significant};
 use crate::record::RunRecord;
-use crate::statistics::Summary;
+use crate::statistics::{Summary, covariance, variance};
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,24 +127,31 @@ pub fn chemistry(record: &RunRecord) -> String {
     let reactions: Vec<Vec<String>> = record
         .reactions
         .iter()
-        .map(|r| vec![r.name.clone(), r.equation.replace("->", "→"), r.propensity.clone()])
+        .map(|r| vec![escape(&r.name), escape(&r.equation.replace("->", "→")), typeset(&r.propensity)])
         .collect();
-    out += &table(&["reaction", "equation", "propensity"], &[], &reactions);
+    out += &table_of_html(&["reaction", "equation", "propensity"], &[], &reactions);
+    let particles = record.domain.kind == "particles";
     let groups: Vec<Vec<String>> = record
         .domain
         .groups
         .iter()
         .map(|g| {
-            vec![
-                g.name.clone(),
-                g.material.clone(),
-                grouped(g.particles as u64),
-                show(g.volume, "m^3"),
-                g.shape.clone(),
-            ]
+            // Particles pass through a zone: it owns none.
+            let owns = g.material != "zone";
+            let volume = if owns { show(g.volume, "m^3") } else { "–".into() };
+            if !particles {
+                return vec![g.name.clone(), volume];
+            }
+            let number = if owns { grouped(g.particles as u64) } else { "–".into() };
+            vec![g.name.clone(), g.material.clone(), number, volume, g.shape.clone()]
         })
         .collect();
-    out += &table(&["group", "material", "particles", "volume", "shape"], &[2, 3], &groups);
+    let (head, numeric): (&[&str], &[usize]) = if particles {
+        (&["group", "material", "particles", "volume", "shape"], &[2, 3])
+    } else {
+        (&["volume", "size"], &[1])
+    };
+    out += &table(head, numeric, &groups);
     if !record.conservation_laws.is_empty() {
         let laws = escape(&record.conservation_laws.join("; "));
         out += &format!("<p><b>Conserved by the reactions:</b> {laws}.</p>\n");
@@ -155,7 +162,7 @@ pub fn chemistry(record: &RunRecord) -> String {
     let approximations = &record.steps.approximations;
     out += &format!("<p><b>Sampling:</b> {}", escape(&record.steps.method));
     if approximations.is_empty() {
-        out += "; exact.</p>\n";
+        out += if record.steps.method.contains("exact") { ".</p>\n" } else { "; exact.</p>\n" };
     } else {
         out += &format!("; approximate in:</p>\n{}", list(approximations));
     }
@@ -185,6 +192,46 @@ pub fn numbers(samples: &Samples) -> String {
     let head = if several { &head[..] } else { &["group", "species", "amount"] };
     let unit = format!("<h2>Amounts at {}</h2>\n<p>In molecules.</p>\n", show(series.times[last], "s"));
     if rows.is_empty() { String::new() } else { unit + &table(head, &[2, 3, 4, 5, 6, 7, 8], &rows) }
+}
+
+/// Correlations between amounts at the end, when covariances were asked for.
+pub fn correlations(samples: &Samples) -> String {
+    const MOST: usize = 12;
+    let series = &samples.series;
+    let Some(last) = series.times.len().checked_sub(1).filter(|_| samples.covariance) else {
+        return String::new();
+    };
+    let several = series.columns.groups.iter().any(|g| g != "all");
+    let varying: Vec<(String, Vec<f64>)> = (0..series.columns.len())
+        .filter(|&c| !(several && series.columns.groups[c] == "all"))
+        .map(|c| {
+            let (group, species) = (&series.columns.groups[c], &series.columns.species[c]);
+            let name = if several { format!("{species} in {group}") } else { species.clone() };
+            (name, series.across(last, c))
+        })
+        .filter(|(_, values)| variance(values) > 0.0)
+        .take(MOST)
+        .collect();
+    if varying.len() < 2 {
+        return String::new();
+    }
+    let mut head = vec![""];
+    head.extend(varying.iter().map(|v| v.0.as_str()));
+    let row = |(name, x): &(String, Vec<f64>)| {
+        let correlation = |(_, y): &(String, Vec<f64>)| {
+            let r = covariance(x, y) / (variance(x) * variance(y)).sqrt();
+            format!("{r:.3}").replace('-', "−")
+        };
+        std::iter::once(name.clone()).chain(varying.iter().map(correlation)).collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<String>> = varying.iter().map(row).collect();
+    let numeric: Vec<usize> = (1..=varying.len()).collect();
+    format!(
+        "<h3>Correlations at {}</h3>\n<p>Covariance over the standard deviations, {} realizations; all times stand in <code>tables/covariance.parquet</code>.</p>\n{}",
+        show(series.times[last], "s"),
+        series.blocks.len(),
+        table(&head, &numeric, &rows)
+    )
 }
 
 /// Steps and what they cost.
@@ -242,7 +289,40 @@ pub fn provenance(record: &RunRecord) -> String {
     out
 }
 
+/// A formula in plain text as HTML: powers, products and indices as printed.
+fn typeset(formula: &str) -> String {
+    let raised =
+        escape(formula).replace("^2", "²").replace("^3", "³").replace(" * ", " · ").replace(" - 1", " − 1");
+    let mut out = String::with_capacity(raised.len());
+    let mut rest = raised.as_str();
+    while let Some(at) = rest.find('_') {
+        let word = |c: char| c.is_alphanumeric() || c == '_';
+        // Only the symbols of the propensities carry an index: X_A, N_A.
+        let symbol = rest[..at].ends_with(['X', 'N']) && !rest[..at - 1].ends_with(word);
+        let tail = &rest[at + 1..];
+        let end = tail.find(|c| !word(c)).unwrap_or(tail.len());
+        out += &rest[..at];
+        if symbol {
+            out += &format!("<sub>{}</sub>", &tail[..end]);
+        } else {
+            out += &rest[at..=at + end];
+        }
+        rest = &tail[end..];
+    }
+    out + rest
+}
+
 fn list(items: &[String]) -> String {
     let items: Vec<String> = items.iter().map(|i| format!("<li>{}</li>", escape(i))).collect();
     format!("<ul>{}</ul>\n", items.concat())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn propensities_are_typeset() {
+        let set = super::typeset("a = 25 m^3/mol/s / (N_A V) * X_R * k_on2");
+        assert_eq!(set, "a = 25 m³/mol/s / (N<sub>A</sub> V) · X<sub>R</sub> · k_on2");
+        assert_eq!(super::typeset("µ_X_A < 1"), "µ_X_A &lt; 1");
+    }
 }
