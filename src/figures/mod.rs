@@ -182,3 +182,27 @@ pub(crate) fn spread(count: usize, most: usize) -> Vec<usize> {
     }
     (0..most).map(|k| (2 * k * (count - 1) + most - 1) / (2 * (most - 1))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_show_the_times_that_were_asked_for() {
+        let mut samples = Samples {
+            record: RunRecord::default(),
+            series: SeriesTable::default(),
+            probes: Vec::new(),
+            histograms: Vec::new(),
+            covariance: false,
+            species: Vec::new(),
+            frames: Vec::new(),
+        };
+        let times: Vec<f64> = (0..=40).map(|k| f64::from(k) * 0.1).collect();
+        assert_eq!(moments(&samples, &times), [10, 20, 30, 40]);
+        samples.record.histograms =
+            vec![crate::record::HistogramRecord { times: vec![0.5, 4.0], ..Default::default() }];
+        assert_eq!(moments(&samples, &times), [5, 10, 20, 40]);
+        assert_eq!((moments(&samples, &[0.0, 1.0]), moments(&samples, &[])), (vec![0, 1], vec![]));
+    }
+}

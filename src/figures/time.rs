@@ -41,13 +41,13 @@ fn amount(samples: &Samples, c: usize) -> Curves {
     Curves { title: title(samples, c), values: column(samples, c), unit: "molecules", label: "amount" }
 }
 
-/// What a reader asks for first: occupancy, or the amount over the domain that changes most.
-pub(super) fn headline(samples: &Samples) -> Option<Curves> {
+/// What a reader asks for first: occupancy, or the amount over the domain that changes most (with its species).
+pub(super) fn headline(samples: &Samples) -> Option<(Curves, Option<&str>)> {
     if samples.series.times.len() < 2 {
         return None;
     }
     if let Some(first) = occupancies(samples).into_iter().next() {
-        return Some(first);
+        return Some((first, None));
     }
     let names = &samples.series.columns;
     let change = |c: &usize| {
@@ -57,7 +57,7 @@ pub(super) fn headline(samples: &Samples) -> Option<Curves> {
     };
     let all = (0..names.len()).filter(|&c| names.groups[c] == "all");
     let c = all.max_by(|a, b| change(a).total_cmp(&change(b)))?;
-    Some(amount(samples, c))
+    Some((amount(samples, c), Some(&names.species[c])))
 }
 
 /// Share of bound receptors wherever an immobile pair X, Y with conserved X + Y and X + … -> Y lives.

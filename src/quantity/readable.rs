@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn vectors_share_one_unit() {
         assert_eq!(show_vector(&[1.25e-3, 0.0], "m/s"), "(1.25, 0) mm/s");
-        assert_eq!(show_vector(&[-0.1e-6], "m"), "−0.1 µm");
+        assert_eq!(show_vector(&[-0.1e-6], "m"), "−100 nm");
     }
 
     #[test]

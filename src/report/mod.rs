@@ -7,6 +7,7 @@ mod base64;
 #[cfg(test)]
 mod example;
 mod html;
+mod numbers;
 mod sections;
 mod summary;
 
@@ -86,8 +87,8 @@ fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
             out += &format!("<h2>{heading}</h2>\n{}", here.concat());
         }
     }
-    out += &sections::numbers(samples);
-    out += &sections::correlations(samples);
+    out += &numbers::numbers(samples);
+    out += &numbers::correlations(samples);
     out += &sections::health(record);
     out += &sections::cost(record);
     out += &sections::provenance(record);

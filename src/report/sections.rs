@@ -1,10 +1,9 @@
 //! The tables of the page.
 
-use super::html::{table, table_of_html};
-use crate::figures::{Samples, escape};
+use super::html::{table, table_of_html, typeset};
+use crate::figures::escape;
 use crate::quantity::readable::{grouped, show, significant};
 use crate::record::RunRecord;
-use crate::statistics::{Summary, covariance, variance};
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,71 +168,6 @@ pub fn chemistry(record: &RunRecord) -> String {
     out
 }
 
-/// Amounts at the end, across realizations.
-pub fn numbers(samples: &Samples) -> String {
-    let series = &samples.series;
-    let Some(last) = series.times.len().checked_sub(1) else { return String::new() };
-    let several = series.blocks.len() > 1;
-    let mut rows = Vec::new();
-    for c in 0..series.columns.len() {
-        let s = Summary::of(&series.across(last, c));
-        if s.count == 0 || (s.max == 0.0 && s.min == 0.0) {
-            continue;
-        }
-        let mut row =
-            vec![series.columns.groups[c].clone(), series.columns.species[c].clone(), significant(s.mean, 6)];
-        if several {
-            let more = [s.sem, s.sd, s.q05, s.median, s.q95, s.fano];
-            row.extend(more.iter().map(|v| significant(*v, 4)));
-        }
-        rows.push(row);
-    }
-    let head = ["group", "species", "mean", "± s.e.m.", "sd", "5 %", "median", "95 %", "Fano"];
-    let head = if several { &head[..] } else { &["group", "species", "amount"] };
-    let unit = format!("<h2>Amounts at {}</h2>\n<p>In molecules.</p>\n", show(series.times[last], "s"));
-    if rows.is_empty() { String::new() } else { unit + &table(head, &[2, 3, 4, 5, 6, 7, 8], &rows) }
-}
-
-/// Correlations between amounts at the end, when covariances were asked for.
-pub fn correlations(samples: &Samples) -> String {
-    const MOST: usize = 12;
-    let series = &samples.series;
-    let Some(last) = series.times.len().checked_sub(1).filter(|_| samples.covariance) else {
-        return String::new();
-    };
-    let several = series.columns.groups.iter().any(|g| g != "all");
-    let varying: Vec<(String, Vec<f64>)> = (0..series.columns.len())
-        .filter(|&c| !(several && series.columns.groups[c] == "all"))
-        .map(|c| {
-            let (group, species) = (&series.columns.groups[c], &series.columns.species[c]);
-            let name = if several { format!("{species} in {group}") } else { species.clone() };
-            (name, series.across(last, c))
-        })
-        .filter(|(_, values)| variance(values) > 0.0)
-        .take(MOST)
-        .collect();
-    if varying.len() < 2 {
-        return String::new();
-    }
-    let mut head = vec![""];
-    head.extend(varying.iter().map(|v| v.0.as_str()));
-    let row = |(name, x): &(String, Vec<f64>)| {
-        let correlation = |(_, y): &(String, Vec<f64>)| {
-            let r = covariance(x, y) / (variance(x) * variance(y)).sqrt();
-            format!("{r:.3}").replace('-', "−")
-        };
-        std::iter::once(name.clone()).chain(varying.iter().map(correlation)).collect::<Vec<_>>()
-    };
-    let rows: Vec<Vec<String>> = varying.iter().map(row).collect();
-    let numeric: Vec<usize> = (1..=varying.len()).collect();
-    format!(
-        "<h3>Correlations at {}</h3>\n<p>Covariance over the standard deviations, {} realizations; all times stand in <code>tables/covariance.parquet</code>.</p>\n{}",
-        show(series.times[last], "s"),
-        series.blocks.len(),
-        table(&head, &numeric, &rows)
-    )
-}
-
 /// Steps and what they cost.
 pub fn cost(record: &RunRecord) -> String {
     let mut steps = Vec::new();
@@ -289,40 +223,7 @@ pub fn provenance(record: &RunRecord) -> String {
     out
 }
 
-/// A formula in plain text as HTML: powers, products and indices as printed.
-fn typeset(formula: &str) -> String {
-    let raised =
-        escape(formula).replace("^2", "²").replace("^3", "³").replace(" * ", " · ").replace(" - 1", " − 1");
-    let mut out = String::with_capacity(raised.len());
-    let mut rest = raised.as_str();
-    while let Some(at) = rest.find('_') {
-        let word = |c: char| c.is_alphanumeric() || c == '_';
-        // Only the symbols of the propensities carry an index: X_A, N_A.
-        let symbol = rest[..at].ends_with(['X', 'N']) && !rest[..at - 1].ends_with(word);
-        let tail = &rest[at + 1..];
-        let end = tail.find(|c| !word(c)).unwrap_or(tail.len());
-        out += &rest[..at];
-        if symbol {
-            out += &format!("<sub>{}</sub>", &tail[..end]);
-        } else {
-            out += &rest[at..=at + end];
-        }
-        rest = &tail[end..];
-    }
-    out + rest
-}
-
 fn list(items: &[String]) -> String {
     let items: Vec<String> = items.iter().map(|i| format!("<li>{}</li>", escape(i))).collect();
     format!("<ul>{}</ul>\n", items.concat())
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn propensities_are_typeset() {
-        let set = super::typeset("a = 25 m^3/mol/s / (N_A V) * X_R * k_on2");
-        assert_eq!(set, "a = 25 m³/mol/s / (N<sub>A</sub> V) · X<sub>R</sub> · k_on2");
-        assert_eq!(super::typeset("µ_X_A < 1"), "µ_X_A &lt; 1");
-    }
 }
