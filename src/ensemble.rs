@@ -316,11 +316,12 @@ fn domain(plan: &Plan) -> DomainRecord {
 pub fn conditions(model: &Model) -> Vec<String> {
     use crate::model::conditions::{WallName, What};
     use crate::model::domain::axis_name;
+    use crate::quantity::readable::{show_vector, significant};
     let Domain::Particles(domain) = &model.domain else { return Vec::new() };
     let group = |g: usize| domain.groups[g].name.as_str();
     let d = domain.dimensions;
-    let vector = |v: &crate::vector::Vector<3>| {
-        format!("({})", (0..d).map(|k| format!("{:e}", v[k])).collect::<Vec<_>>().join(", "))
+    let vector = |v: &crate::vector::Vector<3>, unit: &str| {
+        show_vector(&(0..d).map(|k| v[k]).collect::<Vec<f64>>(), unit)
     };
     let species = |list: &[(usize, crate::model::Amount)]| -> String {
         list.iter().map(|(s, _)| model.network.species[*s].name.as_str()).collect::<Vec<_>>().join(", ")
@@ -331,9 +332,9 @@ pub fn conditions(model: &Model) -> Vec<String> {
         .map(|condition| {
             let words = match &condition.what {
                 What::Sponge { group: g, rate, velocity, species: list } => {
-                    let mut words = format!("sponge in {} at {rate:e} 1/s", group(*g));
+                    let mut words = format!("sponge in {}, rate {} 1/s", group(*g), significant(*rate, 4));
                     if let Some(v) = velocity {
-                        words.push_str(&format!(", velocity {} m/s", vector(v)));
+                        words.push_str(&format!(", velocity {}", vector(v, "m/s")));
                     }
                     if !list.is_empty() {
                         words.push_str(&format!(", concentration of {}", species(list)));
@@ -354,7 +355,8 @@ pub fn conditions(model: &Model) -> Vec<String> {
                     format!("source of {} in {}", names.join(", "), group(*g))
                 }
                 What::Barrier { axis, at } => {
-                    format!("no diffusion across {} = {:.6} µm", axis_name(*axis), at * 1e6)
+                    let at = if *at == 0.0 { "0".into() } else { show_vector(&[*at], "m") };
+                    format!("no diffusion across {} = {at}", axis_name(*axis))
                 }
                 What::MovingWall { wall, .. } => match wall {
                     WallName::Group(g) => format!("moving wall {}", group(*g)),
@@ -362,7 +364,7 @@ pub fn conditions(model: &Model) -> Vec<String> {
                         format!("moving wall {}_{}", axis_name(*axis), if *upper { "max" } else { "min" })
                     }
                 },
-                What::Force { acceleration } => format!("body force {} m/s²", vector(acceleration)),
+                What::Force { acceleration } => format!("body force {}", vector(acceleration, "m/s²")),
             };
             format!("{}: {words}", condition.name)
         })

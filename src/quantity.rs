@@ -2,6 +2,7 @@
 
 pub mod dimension;
 pub mod nearest;
+pub mod readable;
 mod table;
 mod units;
 

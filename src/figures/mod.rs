@@ -8,19 +8,24 @@ pub mod colours;
 mod distributions;
 pub mod drawing;
 mod fields;
+mod overview;
+mod painting;
 pub mod panel;
+mod polar;
 mod probes;
 mod profiles;
+mod sections;
 mod setup;
 mod svg;
+mod ticks;
 mod time;
-pub mod units;
 
 pub use bitmap::write_png;
 pub use drawing::Drawing;
 pub use svg::{escape, svg};
 
 use crate::error::RunError;
+use crate::quantity::readable::Scale;
 use crate::record::RunRecord;
 use crate::tables::{self, Bin, ParticleFrame, ProbeRows, SeriesTable};
 use std::path::Path;
@@ -46,6 +51,8 @@ pub struct Samples {
     pub series: SeriesTable,
     pub probes: Vec<ProbeRows>,
     pub histograms: Vec<Bin>,
+    /// Covariances were asked for.
+    pub covariance: bool,
     /// Species of the particle frames.
     pub species: Vec<String>,
     /// Frames of the first realization, thinned to a few dozen; the first and last are kept.
@@ -64,7 +71,8 @@ impl Samples {
         let probes = if has("probes.parquet") { tables::read_probes(dir)? } else { Vec::new() };
         let histograms = if has("histogram.parquet") { tables::read_histograms(dir)? } else { Vec::new() };
         let (species, frames) = first_realization(dir)?;
-        Ok(Samples { record, series, probes, histograms, species, frames })
+        let covariance = has("covariance.parquet");
+        Ok(Samples { record, series, probes, histograms, covariance, species, frames })
     }
 }
 
@@ -104,6 +112,7 @@ fn first_realization(dir: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), Ru
 #[must_use]
 pub fn draw(samples: &Samples) -> Vec<Figure> {
     let mut out = Vec::new();
+    out.extend(overview::overview(samples));
     out.extend(setup::setup(samples));
     out.extend(fields::concentrations(samples));
     out.extend(fields::flow(samples));
@@ -139,13 +148,35 @@ pub fn save(figure: &Figure, dir: &Path) -> Result<(), RunError> {
 }
 
 /// The unit in which a run tells its times, one for all its figures.
-pub(crate) fn clock(samples: &Samples) -> units::Scale {
-    units::Scale::choose(samples.record.times.last().copied().unwrap_or(0.0), "s")
+pub(crate) fn clock(samples: &Samples) -> Scale {
+    Scale::choose(samples.record.times.last().copied().unwrap_or(0.0), "s")
 }
 
 /// A name that is safe in a file name.
 pub(crate) fn slug(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
+}
+
+/// Up to four of the recorded times that tell most: those of the distributions asked for, the end, the middle and the
+/// quarters. The start is left out where two later times are known.
+pub(crate) fn moments(samples: &Samples, times: &[f64]) -> Vec<usize> {
+    const MOST: usize = 4;
+    let later: Vec<usize> = (0..times.len()).filter(|&k| times[k] > 0.0).collect();
+    let Some(&last) = later.last().filter(|_| later.len() > 1) else { return (0..times.len()).collect() };
+    let end = times[last];
+    let asked: Vec<f64> = samples.record.histograms.iter().flat_map(|h| h.times.iter().copied()).collect();
+    let asked = spread(asked.len(), MOST).into_iter().map(|k| asked[k]);
+    let mut chosen: Vec<usize> = Vec::new();
+    for target in asked.chain([1.0, 0.5, 0.25, 0.75].map(|part| part * end)) {
+        let away = |k: usize| (times[k] - target).abs();
+        let nearest = later.iter().copied().min_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap_or(last);
+        let apart = |&c: &usize| (times[c] - times[nearest]).abs() > 0.1 * end;
+        if chosen.len() < MOST && chosen.iter().all(apart) {
+            chosen.push(nearest);
+        }
+    }
+    chosen.sort_unstable();
+    chosen
 }
 
 /// Up to `most` indices spread evenly over 0..count, first and last among them.
@@ -154,4 +185,28 @@ pub(crate) fn spread(count: usize, most: usize) -> Vec<usize> {
         return (0..count).collect();
     }
     (0..most).map(|k| (2 * k * (count - 1) + most - 1) / (2 * (most - 1))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_show_the_times_that_were_asked_for() {
+        let mut samples = Samples {
+            record: RunRecord::default(),
+            series: SeriesTable::default(),
+            probes: Vec::new(),
+            histograms: Vec::new(),
+            covariance: false,
+            species: Vec::new(),
+            frames: Vec::new(),
+        };
+        let times: Vec<f64> = (0..=40).map(|k| f64::from(k) * 0.1).collect();
+        assert_eq!(moments(&samples, &times), [10, 20, 30, 40]);
+        samples.record.histograms =
+            vec![crate::record::HistogramRecord { times: vec![0.5, 4.0], ..Default::default() }];
+        assert_eq!(moments(&samples, &times), [5, 10, 20, 40]);
+        assert_eq!((moments(&samples, &[0.0, 1.0]), moments(&samples, &[])), (vec![0, 1], vec![]));
+    }
 }

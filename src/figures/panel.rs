@@ -2,7 +2,8 @@
 
 use super::colours::{BLACK, Colour, GREY};
 use super::drawing::{Anchor, Drawing, HAIR, LABEL, TITLE, text_width};
-use super::units::{Scale, ticks, ticks_every};
+use super::ticks::{ticks, ticks_every};
+use crate::quantity::readable::Scale;
 
 /// A value axis: range in SI and how it is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,7 +95,11 @@ impl Panel {
             d.text([l - 1.6, py], &label, LABEL, BLACK, Anchor::End);
             widest = widest.max(text_width(&label, LABEL));
         }
-        d.text([l + w / 2.0, t + h + 6.8], &self.x.scale.label(&self.x.label), LABEL, BLACK, Anchor::Middle);
+        // Who leaves the label empty writes it.
+        if !self.x.label.is_empty() {
+            let words = self.x.scale.label(&self.x.label);
+            d.text([l + w / 2.0, t + h + 6.8], &words, LABEL, BLACK, Anchor::Middle);
+        }
         d.text_upwards([l - widest - 3.8, t + h / 2.0], &self.y.scale.label(&self.y.label), LABEL, BLACK);
         d.text([l, t - 2.6], title, TITLE, BLACK, Anchor::Start);
     }

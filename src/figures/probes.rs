@@ -1,160 +1,238 @@
 //! Quantities along lines and rings: mean and band across realizations at several times.
 
-use super::colours::{BLACK, Colour, GREY, PALE, PALETTE, viridis};
-use super::drawing::{Anchor, HAIR, LABEL, TITLE};
-use super::panel::{Axis, MARGIN, Panel, grid, legend, range};
-use super::units::Scale;
-use super::{Drawing, Figure, Samples, WIDTH, clock, slug, spread};
-use crate::statistics::{mean, quantile};
-use crate::tables::ProbeRows;
+use super::colours::{BLACK, Colour, viridis};
+use super::drawing::{Anchor, LABEL};
+use super::panel::{Axis, MARGIN, Panel, grid, legend};
+use super::polar::polar;
+use super::sections::{Section, sections};
+use super::{Drawing, Figure, Samples, WIDTH, clock, slug};
+use crate::quantity::readable::Scale;
 
-/// Most times drawn into one panel.
-const TIMES: usize = 4;
+/// Realizations from which a 5 to 95 % band says something.
+pub(super) const BAND: usize = 5;
+/// The quantity that stands for itself on a ring of receptors.
+pub(super) const OCCUPANCY: &str = "occupancy";
+const TURN: f64 = 2.0 * std::f64::consts::PI;
 
-/// Mean and 5 to 95 % band of one quantity along a probe at one time.
-struct Band {
-    time: f64,
-    s: Vec<f64>,
-    mean: Vec<f64>,
-    low: Vec<f64>,
-    high: Vec<f64>,
-    realizations: usize,
-}
-
-/// A figure for each probe, and a polar one for each ring.
+/// Figures of each probe: receptors round a ring, the other quantities, a polar view.
 pub fn probes(samples: &Samples) -> Vec<Figure> {
     let mut names: Vec<&str> = Vec::new();
     for row in &samples.probes {
-        if !names.contains(&row.probe.as_str()) {
+        // Lines through one-dimensional models are drawn with their species together.
+        let drawn = samples.record.domain.dimensions == 1 && !is_ring(samples, &row.probe);
+        if !names.contains(&row.probe.as_str()) && !drawn {
             names.push(&row.probe);
         }
     }
-    names.into_iter().flat_map(|name| [cartesian(samples, name), polar(samples, name)]).flatten().collect()
+    names
+        .into_iter()
+        .flat_map(|name| [occupancy(samples, name), cartesian(samples, name), polar(samples, name)])
+        .flatten()
+        .collect()
+}
+
+fn occupancy(samples: &Samples, name: &str) -> Option<Figure> {
+    if !is_ring(samples, name) || !quantities(samples, name).iter().any(|q| q == OCCUPANCY) {
+        return None;
+    }
+    let sections = sections(samples, name, OCCUPANCY);
+    let width = 130.0;
+    let (mut d, frames) = grid(1, 1, width, 64.0);
+    let mut p = panel(samples, name, OCCUPANCY, &sections, *frames.first()?);
+    p.x.label.clear();
+    let shown = curves(samples, &mut d, &p, &sections, true);
+    p.axes(&mut d, "");
+    let sides = match downstream(samples) {
+        true => ["downstream", "upper side", "upstream", "lower side", "downstream"],
+        false => ["+x", "+y", "−x", "−y", "+x"],
+    };
+    for (k, side) in sides.iter().enumerate() {
+        let at = [p.left + p.width * k as f64 / 4.0, p.top + p.height + 6.6];
+        d.text(at, side, LABEL * 0.92, BLACK, Anchor::Middle);
+    }
+    let below = [p.left + p.width / 2.0, p.top + p.height + 11.0];
+    d.text(below, "angle (degrees)", LABEL, BLACK, Anchor::Middle);
+    d.width += 5.0;
+    d.height += 9.5;
+    let bottom = d.height - 3.0;
+    legend(&mut d, MARGIN[0], bottom, &shown);
+    Some(Figure {
+        name: format!("probe_{}_occupancy", slug(name)),
+        title: format!("Occupancy of the receptors round {name}"),
+        caption: caption(&sections),
+        drawing: d,
+        raster: false,
+    })
+}
+
+/// Whether angle 0 points downstream: the fluid moves towards +x on the whole.
+fn downstream(samples: &Samples) -> bool {
+    let Some(frame) = samples.frames.last() else { return false };
+    let sum = |axis: usize| frame.velocity.iter().map(|v| v[axis]).sum::<f64>();
+    sum(0) > 2.0 * sum(1).abs()
 }
 
 fn cartesian(samples: &Samples, name: &str) -> Option<Figure> {
     let ring = is_ring(samples, name);
-    let quantities = quantities(samples, name);
-    let columns = if quantities.len() == 1 { 1 } else { 2 };
-    let width = if columns == 1 { 110.0 } else { WIDTH };
-    let (mut d, frames) = grid(quantities.len(), columns, width, if columns == 1 { 58.0 } else { 42.0 });
-    let mut shown: Vec<(String, Colour, f64)> = Vec::new();
-    let mut realizations = 0;
-    for (quantity, frame) in quantities.iter().zip(frames) {
-        let bands = bands(samples, name, quantity);
-        let unit = unit(samples, name, quantity);
-        let y =
-            Axis::covering(bands.iter().flat_map(|b| b.low.iter().chain(&b.high)).copied(), &unit, quantity);
-        let mut x = Axis::covering(bands.iter().flat_map(|b| b.s.iter().copied()), "m", "distance");
-        if ring {
-            let scale = Scale { factor: 180.0 / std::f64::consts::PI, unit: "degrees".into() };
-            let high = x.low + 2.0 * std::f64::consts::PI;
-            x = Axis { high, scale, label: "angle".into(), step: Some(90.0), ..x };
+    let mut all: Vec<(String, Vec<Section>)> = Vec::new();
+    for quantity in quantities(samples, name) {
+        // Occupancy has its own figure; it tells the same as the amounts of free and bound receptors.
+        let told = quantity == OCCUPANCY || free_receptor(samples, name, &quantity);
+        if !(ring && told) {
+            let sections = sections(samples, name, &quantity);
+            all.push((quantity, sections));
         }
-        let p =
-            Panel { left: frame[0], top: frame[1], width: frame[2], height: frame[3], x, y: y.with_air() };
-        shown.clear();
-        for (k, b) in bands.iter().enumerate() {
-            // The light end of viridis vanishes on white.
-            let colour = viridis(0.85 * k as f64 / (TIMES - 1) as f64);
-            let closed = |values: &[f64], turn: f64| -> Vec<f64> {
-                values.iter().copied().chain(values.first().filter(|_| ring).map(|v| v + turn)).collect()
-            };
-            let s = closed(&b.s, 2.0 * std::f64::consts::PI);
-            p.band(&mut d, &s, &closed(&b.low, 0.0), &closed(&b.high, 0.0), colour.faint(0.15));
-            p.curve(&mut d, &s, &closed(&b.mean, 0.0), 0.4, colour);
-            shown.push((clock(samples).show(b.time), colour, 0.5));
-            realizations = b.realizations;
+    }
+    let largest = |sections: &[Section]| {
+        sections.iter().flat_map(|s| &s.mean).filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()))
+    };
+    let velocity = |q: &str| matches!(q, "vx" | "vy" | "vz");
+    let fastest = all.iter().filter(|q| velocity(&q.0)).map(|q| largest(&q.1)).fold(0.0, f64::max);
+    // A component a hundred times smaller than another is the noise of the particles' positions.
+    let before = all.len();
+    all.retain(|(q, sections)| !velocity(q) || largest(sections) >= 0.01 * fastest);
+    let left_out = before - all.len();
+    if all.is_empty() {
+        return None;
+    }
+    let columns = match all.len() {
+        1 => 1,
+        2 | 4 => 2,
+        _ => 3,
+    };
+    let width = if columns == 1 { 110.0 } else { WIDTH };
+    let (mut d, frames) = grid(all.len(), columns, width, [58.0, 44.0, 34.0][columns - 1]);
+    let mut shown = Vec::new();
+    for ((quantity, sections), frame) in all.iter().zip(frames) {
+        let p = panel(samples, name, quantity, sections, frame);
+        let entries = curves(samples, &mut d, &p, sections, ring);
+        if entries.len() >= shown.len() {
+            shown = entries;
         }
         p.axes(&mut d, quantity);
-    }
-    if shown.is_empty() {
-        return None;
     }
     d.height += 5.0;
     let bottom = d.height - 3.0;
     legend(&mut d, MARGIN[0], bottom, &shown);
     let what = if ring { "around" } else { "along" };
-    let caption = format!("Mean of {realizations} realizations; shaded: 5 to 95 % of them.");
+    let most = all.iter().max_by_key(|(_, s)| realizations(s))?;
+    let mut words = caption(&most.1);
+    let once: Vec<&str> = all
+        .iter()
+        .filter(|(_, s)| realizations(s) == 1 && realizations(&most.1) > 1)
+        .map(|(q, _)| q.as_str())
+        .collect();
+    if !once.is_empty() {
+        words += &format!(" {}: of the one flow that serves every realization.", once.join(", "));
+    }
+    if left_out > 0 {
+        words += " Velocity components below 1 % of the largest are left out.";
+    }
     Some(Figure {
         name: format!("probe_{}", slug(name)),
         title: format!("Quantities {what} {name}"),
-        caption,
+        caption: words,
         drawing: d,
         raster: false,
     })
 }
 
-fn polar(samples: &Samples, name: &str) -> Option<Figure> {
-    let quantities = quantities(samples, name);
-    if !is_ring(samples, name) || quantities.is_empty() {
-        return None;
-    }
-    let (columns, cell) = (quantities.len().min(3), WIDTH / 3.0);
-    let rows = quantities.len().div_ceil(columns);
-    let mut d = Drawing::new(cell * columns as f64, rows as f64 * (cell + 5.0));
-    let mut time = 0.0;
-    for (k, quantity) in quantities.iter().enumerate() {
-        let Some(b) = bands(samples, name, quantity).pop() else { continue };
-        time = b.time;
-        let centre = [
-            (k % columns) as f64 * cell + cell / 2.0,
-            (k / columns) as f64 * (cell + 5.0) + cell / 2.0 + 5.0,
-        ];
-        let radius = cell / 2.0 - 9.0;
-        let (low, high) = range(b.low.iter().chain(&b.high).copied());
-        let low = low.min(0.0);
-        let place = |s: f64, v: f64| {
-            let r = if high > low { radius * ((v - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
-            [centre[0] + r * s.cos(), centre[1] - r * s.sin()]
-        };
-        let turn = |v: f64| -> Vec<[f64; 2]> {
-            (0..=72).map(|i| place(f64::from(i) * 5f64.to_radians(), v)).collect()
-        };
-        for part in [0.5, 1.0] {
-            d.line(&turn(low + part * (high - low)), HAIR, PALE);
-        }
-        for quarter in 0..4 {
-            let angle = f64::from(quarter) * std::f64::consts::FRAC_PI_2;
-            d.line(&[centre, place(angle, high)], HAIR, PALE);
-            let far = radius + 4.0;
-            let at = [centre[0] + far * angle.cos(), centre[1] - far * angle.sin()];
-            d.text(at, &format!("{}°", quarter * 90), LABEL, GREY, Anchor::Middle);
-        }
-        let edge = |values: &[f64]| b.s.iter().zip(values).map(|(&s, &v)| place(s, v)).collect::<Vec<_>>();
-        let mut ring: Vec<[f64; 2]> = edge(&b.high);
-        ring.extend(edge(&b.high).first());
-        ring.extend(edge(&b.low).first());
-        ring.extend(edge(&b.low).iter().rev());
-        d.area(&ring, PALETTE[0].faint(0.2));
-        let mut curve = edge(&b.mean);
-        curve.extend(curve.first().copied());
-        d.line(&curve, 0.45, PALETTE[0]);
-        let scale = Scale::choose(low.abs().max(high), &unit(samples, name, quantity));
-        d.text([centre[0] + 1.0, centre[1] - radius + 2.2], &scale.show(high), LABEL, BLACK, Anchor::Start);
-        d.text([centre[0], centre[1] - radius - 8.5], quantity, TITLE, BLACK, Anchor::Middle);
-    }
-    Some(Figure {
-        name: format!("probe_{}_polar", slug(name)),
-        title: format!("{name} at {}", clock(samples).show(time)),
-        caption:
-            "Mean (line) and 5 to 95 % of the realizations (shaded); the outer circle carries its value."
-                .into(),
-        drawing: d,
-        raster: false,
-    })
+/// Whether a quantity on a ring with occupancies is the concentration of an immobile species.
+fn free_receptor(samples: &Samples, name: &str, quantity: &str) -> bool {
+    let immobile = samples.record.species.iter().any(|s| s.name == quantity && s.diffusion == 0.0);
+    immobile && quantities(samples, name).iter().any(|q| q == OCCUPANCY)
 }
 
-fn is_ring(samples: &Samples, name: &str) -> bool {
+fn realizations(sections: &[Section]) -> usize {
+    sections.iter().map(|s| s.realizations).max().unwrap_or(0)
+}
+
+fn caption(sections: &[Section]) -> String {
+    match realizations(sections) {
+        0 | 1 => "One realization.".into(),
+        n if n < BAND => format!("Mean of {n} realizations."),
+        n => format!("Mean of {n} realizations; shaded: 5 to 95 % of them."),
+    }
+}
+
+fn panel(samples: &Samples, name: &str, quantity: &str, sections: &[Section], frame: [f64; 4]) -> Panel {
+    let [left, top, width, height] = frame;
+    let values = sections.iter().flat_map(|b| b.low.iter().chain(&b.high).chain(&b.mean)).copied();
+    let y = Axis::covering(values, &unit(samples, name, quantity), quantity).with_air();
+    let mut x = Axis::covering(sections.iter().flat_map(|b| b.s.iter().copied()), "m", "distance");
+    if is_ring(samples, name) {
+        let scale = Scale { factor: 360.0 / TURN, unit: "degrees".into() };
+        x = Axis { low: 0.0, high: TURN, scale, label: "angle".into(), step: Some(90.0) };
+    }
+    Panel { left, top, width, height, x, y }
+}
+
+fn curves(
+    samples: &Samples,
+    d: &mut Drawing,
+    p: &Panel,
+    sections: &[Section],
+    ring: bool,
+) -> Vec<(String, Colour, f64)> {
+    let mut shown = Vec::new();
+    for (k, b) in sections.iter().enumerate() {
+        // The light end of viridis vanishes on white.
+        let colour = viridis(0.85 * k as f64 / (sections.len() - 1).max(1) as f64);
+        // A ring closes: the last sector stands before the first and the first behind the last.
+        let closed = |values: &[f64], turn: f64| -> Vec<f64> {
+            let before = values.last().filter(|_| ring).map(|v| v - turn);
+            let after = values.first().filter(|_| ring).map(|v| v + turn);
+            before.into_iter().chain(values.iter().copied()).chain(after).collect()
+        };
+        let (s, low, high, mean) = if ring {
+            cut(&closed(&b.s, TURN), [&closed(&b.low, 0.0), &closed(&b.high, 0.0), &closed(&b.mean, 0.0)])
+        } else {
+            (b.s.clone(), b.low.clone(), b.high.clone(), b.mean.clone())
+        };
+        if b.realizations >= BAND {
+            p.band(d, &s, &low, &high, colour.faint(0.18));
+        }
+        p.curve(d, &s, &mean, 0.4, colour);
+        shown.push((clock(samples).show(b.time), colour, 0.5));
+    }
+    shown
+}
+
+type Cut = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>);
+
+/// Curves over -… to 2π + … cut to 0 … 2π, interpolated at both ends.
+fn cut(s: &[f64], values: [&[f64]; 3]) -> Cut {
+    let mut out: [Vec<f64>; 4] = Default::default();
+    let mut push = |at: f64, row: [f64; 3]| {
+        out[0].push(at);
+        row.iter().zip(&mut out[1..]).for_each(|(v, list)| list.push(*v));
+    };
+    let row = |k: usize| values.map(|v| v[k]);
+    for k in 0..s.len() {
+        if (0.0..=TURN).contains(&s[k]) {
+            push(s[k], row(k));
+        }
+        for edge in [0.0, TURN] {
+            if k + 1 < s.len() && s[k] < edge && edge < s[k + 1] {
+                let part = (edge - s[k]) / (s[k + 1] - s[k]);
+                push(edge, [0, 1, 2].map(|v| values[v][k] + part * (values[v][k + 1] - values[v][k])));
+            }
+        }
+    }
+    let [s, low, high, mean] = out;
+    (s, low, high, mean)
+}
+
+pub(super) fn is_ring(samples: &Samples, name: &str) -> bool {
     samples.record.probes.iter().any(|p| p.name == name && p.kind == "ring")
 }
 
-fn unit(samples: &Samples, name: &str, quantity: &str) -> String {
+pub(super) fn unit(samples: &Samples, name: &str, quantity: &str) -> String {
     let probe = samples.record.probes.iter().find(|p| p.name == name);
     probe.and_then(|p| p.quantities.get(quantity)).cloned().unwrap_or_default()
 }
 
-fn quantities(samples: &Samples, name: &str) -> Vec<String> {
+pub(super) fn quantities(samples: &Samples, name: &str) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for row in samples.probes.iter().filter(|r| r.probe == name) {
         if !out.contains(&row.quantity) {
@@ -162,28 +240,4 @@ fn quantities(samples: &Samples, name: &str) -> Vec<String> {
         }
     }
     out
-}
-
-fn bands(samples: &Samples, name: &str, quantity: &str) -> Vec<Band> {
-    let rows: Vec<&ProbeRows> =
-        samples.probes.iter().filter(|r| r.probe == name && r.quantity == quantity).collect();
-    let mut times: Vec<f64> = rows.iter().map(|r| r.time).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    let band = |time: f64| {
-        let at: Vec<&&ProbeRows> = rows.iter().filter(|r| r.time == time).collect();
-        let s = at.first().map_or_else(Vec::new, |r| r.s.clone());
-        let over = |f: &dyn Fn(&[f64]) -> f64| -> Vec<f64> {
-            (0..s.len())
-                .map(|k| {
-                    let values: Vec<f64> =
-                        at.iter().filter_map(|r| r.value.get(k).copied()).filter(|v| v.is_finite()).collect();
-                    f(&values)
-                })
-                .collect()
-        };
-        let (low, high) = (over(&|v| quantile(v, 0.05)), over(&|v| quantile(v, 0.95)));
-        Band { time, mean: over(&mean), low, high, realizations: at.len(), s }
-    };
-    spread(times.len(), TIMES).into_iter().map(|k| band(times[k])).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::colours::{BLACK, Colour, palette};
 use super::drawing::{Anchor, LABEL, text_width};
-use super::fields::{in_slice, map, spacing};
+use super::painting::{in_slice, map, spacing};
 use super::{Drawing, Figure, Samples, WIDTH};
 
 /// The set-up of a model in two or three dimensions.
@@ -13,7 +13,7 @@ pub fn setup(samples: &Samples) -> Option<Figure> {
     }
     let (left, top) = (15.0, 4.0);
     let shape = map(samples, 0.0, 0.0, 1.0).height;
-    let width = (WIDTH - left - 4.0).min(130.0 / shape.max(0.1));
+    let width = (WIDTH - left - 4.0).min(85.0 / shape.max(0.1));
     let panel = map(samples, left, top, width);
     let mut d = Drawing::new(left + width + 4.0, top + panel.height + 10.0);
     let mm = width / (panel.x.high - panel.x.low);

@@ -1,8 +1,8 @@
 //! Amounts, occupancy and Fano factor against time.
 
 use super::colours::{GREY, PALETTE};
-use super::panel::{Axis, Panel, grid};
-use super::{Figure, Samples, WIDTH};
+use super::panel::{Axis, Panel, grid, range};
+use super::{Drawing, Figure, Samples, WIDTH};
 use crate::statistics::{fano as fano_factor, mean, quantile};
 
 /// Most panels of one figure, and most single realizations drawn into one.
@@ -12,9 +12,12 @@ const LINES: usize = 20;
 const BAND: usize = 5;
 
 /// One quantity: its values realization by realization, each as long as the times.
-struct Curves {
-    title: String,
-    values: Vec<Vec<f64>>,
+pub(super) struct Curves {
+    pub title: String,
+    pub values: Vec<Vec<f64>>,
+    /// SI unit of the values.
+    pub unit: &'static str,
+    pub label: &'static str,
 }
 
 /// Amount of every species in every group where it ever occurs.
@@ -22,22 +25,50 @@ pub fn amounts(samples: &Samples) -> Option<Figure> {
     let names = &samples.series.columns;
     let mut curves: Vec<Curves> = (0..names.len())
         .filter(|&c| !repeats(samples, c))
-        .map(|c| Curves { title: title(samples, c), values: column(samples, c) })
+        .map(|c| amount(samples, c))
         .filter(|c| c.values.iter().flatten().any(|v| *v != 0.0))
         .collect();
     let left_out = curves.len().saturating_sub(PANELS);
     curves.truncate(PANELS);
-    let mut caption = caption(samples);
+    let mut caption = words(samples);
     if left_out > 0 {
         caption += &format!(" {left_out} more series stand in the tables.");
     }
-    figure(samples, "amounts", "Amounts against time", &caption, &curves, "molecules", "amount")
+    figure(samples, "amounts", "Amounts against time", &caption, &curves)
+}
+
+fn amount(samples: &Samples, c: usize) -> Curves {
+    Curves { title: title(samples, c), values: column(samples, c), unit: "molecules", label: "amount" }
+}
+
+/// What a reader asks for first: occupancy, or the amount over the domain that changes most (with its species).
+pub(super) fn headline(samples: &Samples) -> Option<(Curves, Option<&str>)> {
+    if samples.series.times.len() < 2 {
+        return None;
+    }
+    if let Some(first) = occupancies(samples).into_iter().next() {
+        return Some((first, None));
+    }
+    let names = &samples.series.columns;
+    let change = |c: &usize| {
+        let values = column(samples, *c);
+        let (low, high) = range(values.iter().flatten().copied());
+        high - low
+    };
+    let all = (0..names.len()).filter(|&c| names.groups[c] == "all");
+    let c = all.max_by(|a, b| change(a).total_cmp(&change(b)))?;
+    Some((amount(samples, c), Some(&names.species[c])))
 }
 
 /// Share of bound receptors wherever an immobile pair X, Y with conserved X + Y and X + … -> Y lives.
 pub fn occupancy(samples: &Samples) -> Option<Figure> {
+    let curves = occupancies(samples);
+    figure(samples, "occupancy", "Occupancy of the receptors", &words(samples), &curves)
+}
+
+fn occupancies(samples: &Samples) -> Vec<Curves> {
     let names = &samples.series.columns;
-    let mut curves = Vec::new();
+    let (mut curves, mut places) = (Vec::new(), Vec::new());
     for (free, bound) in pairs(samples) {
         for c in 0..names.len() {
             let group = &names.groups[c];
@@ -50,11 +81,16 @@ pub fn occupancy(samples: &Samples) -> Option<Figure> {
             let share = |x: &Vec<f64>, y: &Vec<f64>| x.iter().zip(y).map(|(x, y)| y / (x + y)).collect();
             let values: Vec<Vec<f64>> = x.iter().zip(&y).map(|(x, y)| share(x, y)).collect();
             if values.iter().flatten().any(|v| v.is_finite()) {
-                curves.push(Curves { title: format!("{bound}/({free} + {bound}) in {group}"), values });
+                let title = format!("{bound}/({free} + {bound})");
+                places.push(format!(" in {group}"));
+                curves.push(Curves { title, values, unit: "1", label: "occupancy" });
             }
         }
     }
-    figure(samples, "occupancy", "Occupancy of bound receptors", &caption(samples), &curves, "1", "occupancy")
+    if curves.len() > 1 {
+        curves.iter_mut().zip(places).for_each(|(curve, place)| curve.title += &place);
+    }
+    curves
 }
 
 /// Variance over mean across realizations.
@@ -68,6 +104,8 @@ pub fn fano(samples: &Samples) -> Option<Figure> {
     let curve = |c: usize| Curves {
         title: title(samples, c),
         values: vec![(0..series.times.len()).map(|t| fano_factor(&series.across(t, c))).collect()],
+        unit: "1",
+        label: "variance / mean",
     };
     let curves: Vec<Curves> = (0..names.len())
         .filter(|&c| !repeats(samples, c))
@@ -76,18 +114,23 @@ pub fn fano(samples: &Samples) -> Option<Figure> {
         .take(PANELS)
         .collect();
     let caption = format!(
-        "Variance over mean of the amount across {} realizations; a Poisson distribution has 1 (dashed). The standard error for Gaussian samples is about {:.0} % of the value.",
-        series.blocks.len(),
-        100.0 * (2.0 / (series.blocks.len() as f64 - 1.0)).sqrt()
+        "Variance over mean of the amount across {} realizations. Dashed and shaded: a Poisson distribution has 1 and, in samples of this size, lies in the band 19 times out of 20.",
+        series.blocks.len()
     );
-    figure(samples, "fano", "Fano factor against time", &caption, &curves, "1", "variance / mean")
+    figure(samples, "fano", "Fano factor against time", &caption, &curves)
 }
 
-/// Whether a column is the sum over the domain of a species that occurs in one group only.
+/// Whether a column is the sum over the domain of a species that occurs in one group only, or that never changes.
 fn repeats(samples: &Samples, c: usize) -> bool {
     let names = &samples.series.columns;
     let other = |k: usize| names.groups[k] != "all" && names.species[k] == names.species[c];
-    names.groups[c] == "all" && (0..names.len()).any(|k| other(k) && column(samples, k) == column(samples, c))
+    if names.groups[c] != "all" || !(0..names.len()).any(other) {
+        return false;
+    }
+    let whole = column(samples, c);
+    let first = whole.first().and_then(|v| v.first());
+    whole.iter().flatten().all(|v| Some(v) == first)
+        || (0..names.len()).any(|k| other(k) && column(samples, k) == whole)
 }
 
 fn title(samples: &Samples, c: usize) -> String {
@@ -99,7 +142,8 @@ fn title(samples: &Samples, c: usize) -> String {
     }
 }
 
-fn caption(samples: &Samples) -> String {
+/// How mean, band and single realizations are drawn.
+pub(super) fn words(samples: &Samples) -> String {
     match samples.series.blocks.len() {
         1 => "One realization.".into(),
         n if n < BAND => format!("Thick: mean of {n} realizations; thin: single realizations."),
@@ -141,15 +185,7 @@ fn pairs(samples: &Samples) -> Vec<(String, String)> {
     out
 }
 
-fn figure(
-    samples: &Samples,
-    name: &str,
-    title: &str,
-    caption: &str,
-    curves: &[Curves],
-    unit: &str,
-    label: &str,
-) -> Option<Figure> {
+fn figure(samples: &Samples, name: &str, title: &str, caption: &str, curves: &[Curves]) -> Option<Figure> {
     let times = &samples.series.times;
     if curves.is_empty() || times.len() < 2 {
         return None;
@@ -161,28 +197,11 @@ fn figure(
     };
     let width = if columns == 1 { 110.0 } else { WIDTH };
     let (mut d, frames) = grid(curves.len(), columns, width, [58.0, 44.0, 34.0][columns - 1]);
+    // The Fano factor of n Poisson (or normal) numbers scatters by √(2/(n - 1)) about 1; 1.96 of these hold 95 %.
+    let scatter = 1.96 * (2.0 / (samples.series.blocks.len() as f64 - 1.0).max(1.0)).sqrt();
+    let reference = (name == "fano").then_some(scatter);
     for (curve, frame) in curves.iter().zip(frames) {
-        let n = curve.values.len();
-        let y = Axis::covering(curve.values.iter().flatten().copied(), unit, label).with_air();
-        let x = Axis::covering(times.iter().copied(), "s", "time");
-        let p = Panel { left: frame[0], top: frame[1], width: frame[2], height: frame[3], x, y };
-        let colour = PALETTE[0];
-        let at = |t: usize| -> Vec<f64> { curve.values.iter().map(|v| v[t]).collect() };
-        let over = |f: &dyn Fn(&[f64]) -> f64| -> Vec<f64> { (0..times.len()).map(|t| f(&at(t))).collect() };
-        if n >= BAND {
-            let (low, high) = (over(&|v| quantile(v, 0.05)), over(&|v| quantile(v, 0.95)));
-            p.band(&mut d, times, &low, &high, colour.faint(0.18));
-        }
-        if n > 1 {
-            for values in curve.values.iter().take(LINES) {
-                p.curve(&mut d, times, values, 0.1, GREY.faint(0.55));
-            }
-        }
-        if name == "fano" {
-            p.level(&mut d, 1.0);
-        }
-        p.curve(&mut d, times, &over(&mean), 0.45, colour);
-        p.axes(&mut d, &curve.title);
+        draw_curves(&mut d, times, curve, frame, reference);
     }
     Some(Figure {
         name: name.into(),
@@ -191,4 +210,42 @@ fn figure(
         drawing: d,
         raster: false,
     })
+}
+
+/// One panel: band, single realizations, mean; with `reference` the level 1 and a band about it.
+pub(super) fn draw_curves(
+    d: &mut Drawing,
+    times: &[f64],
+    curve: &Curves,
+    frame: [f64; 4],
+    reference: Option<f64>,
+) {
+    let n = curve.values.len();
+    let band = reference.map_or(vec![], |s| vec![(1.0 - s).max(0.0), 1.0 + s]);
+    let shown = range(curve.values.iter().flatten().copied());
+    // What lies far below the reference is shown on its own scale.
+    let band = band.into_iter().filter(|_| shown.1 > 0.5);
+    let y = Axis::covering(curve.values.iter().flatten().copied().chain(band), curve.unit, curve.label)
+        .with_air();
+    let x = Axis::covering(times.iter().copied(), "s", "time");
+    let p = Panel { left: frame[0], top: frame[1], width: frame[2], height: frame[3], x, y };
+    let colour = PALETTE[0];
+    let at = |t: usize| -> Vec<f64> { curve.values.iter().map(|v| v[t]).collect() };
+    let over = |f: &dyn Fn(&[f64]) -> f64| -> Vec<f64> { (0..times.len()).map(|t| f(&at(t))).collect() };
+    if let Some(scatter) = reference.filter(|s| p.y.high > 1.0 - s) {
+        let level = |v: f64| vec![v; times.len()];
+        p.band(d, times, &level(1.0 - scatter), &level(1.0 + scatter), GREY.faint(0.2));
+        p.level(d, 1.0);
+    }
+    if n >= BAND {
+        let (low, high) = (over(&|v| quantile(v, 0.05)), over(&|v| quantile(v, 0.95)));
+        p.band(d, times, &low, &high, colour.faint(0.18));
+    }
+    if n > 1 {
+        for values in curve.values.iter().take(LINES) {
+            p.curve(d, times, values, 0.1, GREY.faint(0.55));
+        }
+    }
+    p.curve(d, times, &over(&mean), 0.45, colour);
+    p.axes(d, &curve.title);
 }

@@ -133,17 +133,20 @@ impl Shape {
     /// The region in words, lengths in µm.
     #[must_use]
     pub fn words(&self, dimensions: usize) -> String {
-        let um = |v: f64| format!("{}", (v * 1e6 * 1e6).round() / 1e6);
-        let place =
-            |v: &Vector<3>| format!("({})", (0..dimensions).map(|k| um(v[k])).collect::<Vec<_>>().join(", "));
+        let um = |v: f64| format!("{}", (v * 1e6 * 1e6).round() / 1e6).replace('-', "−");
+        let place = |v: &Vector<3>| match dimensions {
+            1 => um(v[0]),
+            _ => format!("({})", (0..dimensions).map(|k| um(v[k])).collect::<Vec<_>>().join(", ")),
+        };
+        let (ball, shell) = if dimensions == 3 { ("ball", "shell") } else { ("disc", "ring") };
         match self {
             Shape::EverythingElse => "everything else".into(),
             Shape::Box { min, max } => format!("box {} to {} µm", place(min), place(max)),
             Shape::Ball { centre, radius } => {
-                format!("disc or ball, centre {}, radius {} µm", place(centre), um(*radius))
+                format!("{ball}, centre {} µm, radius {} µm", place(centre), um(*radius))
             }
             Shape::Shell { centre, inner, outer } => {
-                format!("ring or shell, centre {}, radii {} to {} µm", place(centre), um(*inner), um(*outer))
+                format!("{shell}, centre {} µm, radii {} to {} µm", place(centre), um(*inner), um(*outer))
             }
             Shape::HalfSpace { point, normal } => {
                 let n: Vec<String> = (0..dimensions).map(|k| format!("{}", normal[k])).collect();

@@ -252,7 +252,10 @@ fn the_page_of_a_run_stands_alone() {
     example(dir, 20);
     write(dir).unwrap();
     let page = std::fs::read_to_string(dir.join("report.html")).unwrap();
-    for name in ["setup", "field_L", "velocity", "pressure", "occupancy", "amounts", "probe_ring", "fano"] {
+    for name in ["overview", "setup", "field_L", "velocity", "pressure", "occupancy", "amounts", "fano"] {
+        assert!(dir.join(format!("figures/{name}.png")).exists(), "{name}");
+    }
+    for name in ["probe_ring", "probe_ring_occupancy", "probe_ring_polar", "probe_axis", "distributions"] {
         assert!(dir.join(format!("figures/{name}.png")).exists(), "{name}");
     }
     assert!(dir.join("figures/amounts.svg").exists() && !dir.join("figures/field_L.svg").exists());

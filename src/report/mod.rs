@@ -7,6 +7,7 @@ mod base64;
 #[cfg(test)]
 mod example;
 mod html;
+mod numbers;
 mod sections;
 mod summary;
 
@@ -35,14 +36,16 @@ pub fn write(dir: &Path) -> Result<(), RunError> {
 }
 
 /// Headings of the page's figures, in order.
-const SECTIONS: [&str; 4] = ["Set-up", "Fields", "Course in time", "Profiles and distributions"];
+const SECTIONS: [&str; 5] =
+    ["At a glance", "Set-up", "Fields", "Course in time", "Profiles and distributions"];
 
 fn section(figure: &Figure) -> usize {
     match figure.name.as_str() {
-        "setup" => 0,
-        name if name.starts_with("field_") || name == "velocity" || name == "pressure" => 1,
-        "amounts" | "occupancy" => 2,
-        _ => 3,
+        "overview" => 0,
+        "setup" => 1,
+        name if name.starts_with("field_") || name == "velocity" || name == "pressure" => 2,
+        "amounts" | "occupancy" => 3,
+        _ => 4,
     }
 }
 
@@ -75,14 +78,17 @@ fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
         include_str!("style.css")
     );
     out += &summary::summary(samples);
-    out += &sections::chemistry(record);
     for (k, heading) in SECTIONS.iter().enumerate() {
+        if k == 1 {
+            out += &sections::chemistry(record);
+        }
         let here: Vec<&str> = figures.iter().filter(|f| f.0 == k).map(|f| f.1.as_str()).collect();
         if !here.is_empty() {
             out += &format!("<h2>{heading}</h2>\n{}", here.concat());
         }
     }
-    out += &sections::numbers(samples);
+    out += &numbers::numbers(samples);
+    out += &numbers::correlations(samples);
     out += &sections::health(record);
     out += &sections::cost(record);
     out += &sections::provenance(record);

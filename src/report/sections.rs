@@ -1,10 +1,9 @@
 //! The tables of the page.
 
-use super::html::{table, table_of_html};
-use crate::figures::units::{grouped, show, significant};
-use crate::figures::{Samples, escape};
+use super::html::{table, table_of_html, typeset};
+use crate::figures::escape;
+use crate::quantity::readable::{grouped, show, significant};
 use crate::record::RunRecord;
-use crate::statistics::Summary;
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,24 +126,31 @@ pub fn chemistry(record: &RunRecord) -> String {
     let reactions: Vec<Vec<String>> = record
         .reactions
         .iter()
-        .map(|r| vec![r.name.clone(), r.equation.replace("->", "→"), r.propensity.clone()])
+        .map(|r| vec![escape(&r.name), escape(&r.equation.replace("->", "→")), typeset(&r.propensity)])
         .collect();
-    out += &table(&["reaction", "equation", "propensity"], &[], &reactions);
+    out += &table_of_html(&["reaction", "equation", "propensity"], &[], &reactions);
+    let particles = record.domain.kind == "particles";
     let groups: Vec<Vec<String>> = record
         .domain
         .groups
         .iter()
         .map(|g| {
-            vec![
-                g.name.clone(),
-                g.material.clone(),
-                grouped(g.particles as u64),
-                show(g.volume, "m^3"),
-                g.shape.clone(),
-            ]
+            // Particles pass through a zone: it owns none.
+            let owns = g.material != "zone";
+            let volume = if owns { show(g.volume, "m^3") } else { "–".into() };
+            if !particles {
+                return vec![g.name.clone(), volume];
+            }
+            let number = if owns { grouped(g.particles as u64) } else { "–".into() };
+            vec![g.name.clone(), g.material.clone(), number, volume, g.shape.clone()]
         })
         .collect();
-    out += &table(&["group", "material", "particles", "volume", "shape"], &[2, 3], &groups);
+    let (head, numeric): (&[&str], &[usize]) = if particles {
+        (&["group", "material", "particles", "volume", "shape"], &[2, 3])
+    } else {
+        (&["volume", "size"], &[1])
+    };
+    out += &table(head, numeric, &groups);
     if !record.conservation_laws.is_empty() {
         let laws = escape(&record.conservation_laws.join("; "));
         out += &format!("<p><b>Conserved by the reactions:</b> {laws}.</p>\n");
@@ -155,36 +161,11 @@ pub fn chemistry(record: &RunRecord) -> String {
     let approximations = &record.steps.approximations;
     out += &format!("<p><b>Sampling:</b> {}", escape(&record.steps.method));
     if approximations.is_empty() {
-        out += "; exact.</p>\n";
+        out += if record.steps.method.contains("exact") { ".</p>\n" } else { "; exact.</p>\n" };
     } else {
         out += &format!("; approximate in:</p>\n{}", list(approximations));
     }
     out
-}
-
-/// Amounts at the end, across realizations.
-pub fn numbers(samples: &Samples) -> String {
-    let series = &samples.series;
-    let Some(last) = series.times.len().checked_sub(1) else { return String::new() };
-    let several = series.blocks.len() > 1;
-    let mut rows = Vec::new();
-    for c in 0..series.columns.len() {
-        let s = Summary::of(&series.across(last, c));
-        if s.count == 0 || (s.max == 0.0 && s.min == 0.0) {
-            continue;
-        }
-        let mut row =
-            vec![series.columns.groups[c].clone(), series.columns.species[c].clone(), significant(s.mean, 6)];
-        if several {
-            let more = [s.sem, s.sd, s.q05, s.median, s.q95, s.fano];
-            row.extend(more.iter().map(|v| significant(*v, 4)));
-        }
-        rows.push(row);
-    }
-    let head = ["group", "species", "mean", "± s.e.m.", "sd", "5 %", "median", "95 %", "Fano"];
-    let head = if several { &head[..] } else { &["group", "species", "amount"] };
-    let unit = format!("<h2>Amounts at {}</h2>\n<p>In molecules.</p>\n", show(series.times[last], "s"));
-    if rows.is_empty() { String::new() } else { unit + &table(head, &[2, 3, 4, 5, 6, 7, 8], &rows) }
 }
 
 /// Steps and what they cost.

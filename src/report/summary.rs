@@ -1,8 +1,8 @@
 //! The head of the page: what was run, what came out, whether the checks passed.
 
 use super::sections::{Verdict, checks};
-use crate::figures::units::{grouped, show, significant};
 use crate::figures::{Samples, escape};
+use crate::quantity::readable::{grouped, show, significant};
 use crate::statistics::Summary;
 use std::fmt::Write;
 
@@ -35,6 +35,7 @@ pub fn summary(samples: &Samples) -> String {
     let verdict = match (failed.is_empty(), passed) {
         (true, 0) => "<span class=\"none\">No check applies.</span>".to_string(),
         (true, 1) => "<span class=\"pass\">✓ The one check that applies passed.</span>".to_string(),
+        (true, 2) => "<span class=\"pass\">✓ Both checks passed.</span>".to_string(),
         (true, n) => format!("<span class=\"pass\">✓ All {n} checks passed.</span>"),
         (false, _) => format!("<span class=\"fail\">✗ Failed: {}.</span>", escape(&failed.join("; "))),
     };

@@ -112,7 +112,8 @@ impl<'p, const D: usize> Ready<'p, D> {
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
             approximations: vec![format!(
-                "splitting of motion, diffusion and reaction: second order in the chemistry step of {longest:.3e} s"
+                "splitting of motion, diffusion and reaction: second order in the chemistry step of {}",
+                crate::quantity::readable::show(longest, "s")
             )],
             shared_flow: self.fluid.is_some(),
         }

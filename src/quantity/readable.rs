@@ -1,4 +1,4 @@
-//! Numbers as people read them: SI prefixes, ticks, labels.
+//! SI values as people read them: prefixes, significant digits.
 
 /// A unit to show values in: value in SI times `factor` reads in `unit`.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,6 +88,18 @@ pub fn show(value: f64, unit: &str) -> String {
     Scale::choose(value, unit).show(value)
 }
 
+/// Components in one unit: `show_vector(&[1.25e-3, 0.0], "m/s")` is `(1.25, 0) mm/s`; one component needs no brackets.
+/// Four significant digits.
+#[must_use]
+pub fn show_vector(components: &[f64], unit: &str) -> String {
+    let scale = Scale::choose(components.iter().fold(0.0, |m, c| c.abs().max(m)), unit);
+    let numbers: Vec<String> = components.iter().map(|c| significant(c * scale.factor, 4)).collect();
+    match &numbers[..] {
+        [one] => format!("{one} {}", scale.unit),
+        _ => format!("({}) {}", numbers.join(", "), scale.unit),
+    }
+}
+
 /// A number with this many significant digits, without needless zeros; powers of ten where it is far from one.
 #[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
@@ -109,7 +121,10 @@ pub fn significant(value: f64, digits: usize) -> String {
         trim(&format!("{value:.decimals$}"))
     } else {
         let superscript: String = exponent.to_string().chars().map(superscript).collect();
-        format!("{}·10{superscript}", trim(mantissa))
+        match trim(mantissa).as_str() {
+            "1" => format!("10{superscript}"),
+            mantissa => format!("{mantissa}·10{superscript}"),
+        }
     }
 }
 
@@ -138,42 +153,6 @@ pub fn grouped(value: u64) -> String {
     out
 }
 
-/// Round tick positions within low..=high, about `count` of them, with their labels.
-#[must_use]
-pub fn ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
-    let span = high - low;
-    if !(span.is_finite() && span > 0.0) {
-        return vec![(low, significant(low, 4))];
-    }
-    let rough = span / count.max(1) as f64;
-    let power = 10f64.powf(rough.log10().floor());
-    // The round step nearest on a logarithmic scale.
-    let step = match rough / power {
-        m if m < 1.5 => 1.0,
-        m if m < 3.2 => 2.0,
-        m if m < 7.1 => 5.0,
-        _ => 10.0,
-    } * power;
-    ticks_every(low, high, step)
-}
-
-/// Ticks at the multiples of a step.
-#[must_use]
-pub fn ticks_every(low: f64, high: f64, step: f64) -> Vec<(f64, String)> {
-    let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
-    let first = (low / step - 1e-6).ceil() as i64;
-    let last = (high / step + 1e-6).floor() as i64;
-    let far = low.abs().max(high.abs()) >= 1e6 || decimals > 5;
-    (first..=last.min(first + 1000))
-        .map(|k| {
-            let value = k as f64 * step;
-            let label =
-                if far { significant(value, 3) } else { format!("{value:.decimals$}").replace('-', "−") };
-            (value, label)
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,19 +171,17 @@ mod tests {
     }
 
     #[test]
-    fn numbers_read_well() {
-        assert_eq!(significant(123_456.0, 3), "123456");
-        assert_eq!(significant(1.5e-9, 3), "1.5·10⁻⁹");
-        assert_eq!(significant(-0.25, 3), "−0.25");
-        assert_eq!(grouped(1_234_567), "1\u{a0}234\u{a0}567");
+    fn vectors_share_one_unit() {
+        assert_eq!(show_vector(&[1.25e-3, 0.0], "m/s"), "(1.25, 0) mm/s");
+        assert_eq!(show_vector(&[-0.1e-6], "m"), "−100 nm");
     }
 
     #[test]
-    fn ticks_are_round_and_inside() {
-        let labels: Vec<String> = ticks(0.0, 52.0, 6).into_iter().map(|t| t.1).collect();
-        assert_eq!(labels, ["0", "10", "20", "30", "40", "50"]);
-        let labels: Vec<String> = ticks(-0.1, 0.25, 4).into_iter().map(|t| t.1).collect();
-        assert_eq!(labels, ["−0.1", "0.0", "0.1", "0.2"]);
-        assert_eq!(ticks(1.0, 1.0, 5).len(), 1);
+    fn numbers_read_well() {
+        assert_eq!(significant(123_456.0, 3), "123456");
+        assert_eq!(significant(1.5e-9, 3), "1.5·10⁻⁹");
+        assert_eq!(significant(1e9, 3), "10⁹");
+        assert_eq!(significant(-0.25, 3), "−0.25");
+        assert_eq!(grouped(1_234_567), "1\u{a0}234\u{a0}567");
     }
 }
