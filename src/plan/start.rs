@@ -51,8 +51,16 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
         held: vec![false; voxels.volumes.len() * count],
         ..Start::default()
     };
-    for entry in &plan.model.initial {
+    // What is said of a zone takes the place of what is said of the groups it overlaps.
+    let (zones, groups): (Vec<&Initial>, Vec<&Initial>) =
+        plan.model.initial.iter().partition(|entry| is_zone(plan, entry.group));
+    for entry in groups.into_iter().chain(zones) {
         let members = members(plan, voxels, entry.group, entry.species);
+        if is_zone(plan, entry.group) {
+            let slots: Vec<u32> = members.iter().map(|&i| (i * count + entry.species) as u32).collect();
+            slots.iter().for_each(|&slot| start.amounts[slot as usize] = 0.0);
+            start.poisson.retain(|(slot, _)| !slots.contains(slot));
+        }
         for (i, mean) in means(plan, voxels, &members, entry.species, &entry.amount, entry.deal) {
             let index = i * count + entry.species;
             if entry.deal == Deal::Poisson && plan.reactor.discrete[entry.species] {
@@ -79,6 +87,13 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
         }
     }
     start
+}
+
+fn is_zone(plan: &Plan, group: Option<usize>) -> bool {
+    match (&plan.model.domain, group) {
+        (Domain::Particles(domain), Some(g)) => domain.groups[g].material == Material::Zone,
+        _ => false,
+    }
 }
 
 fn held_plans(plan: &Plan) -> Option<&[super::particles::HeldPlan]> {
