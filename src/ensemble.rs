@@ -315,7 +315,7 @@ fn domain(plan: &Plan) -> DomainRecord {
 #[must_use]
 pub fn conditions(model: &Model) -> Vec<String> {
     use crate::model::conditions::{WallName, What};
-    use crate::model::domain::axis_name;
+    use crate::model::names::axis_name;
     use crate::quantity::readable::{show_vector, significant};
     let Domain::Particles(domain) = &model.domain else { return Vec::new() };
     let group = |g: usize| domain.groups[g].name.as_str();
@@ -390,7 +390,7 @@ fn probes(plan: &Plan) -> Vec<ProbeRecord> {
             };
             if kind == "line" && probe.velocity && moving {
                 for axis in 0..d {
-                    quantities.insert(format!("v{}", crate::model::domain::axis_name(axis)), "m/s".into());
+                    quantities.insert(format!("v{}", crate::model::names::axis_name(axis)), "m/s".into());
                 }
             }
             if kind == "ring" {

@@ -1,7 +1,9 @@
 //! The `conditions:` of a model: sponges, held values, sources, barriers, moving walls, forces.
 
-use super::domain::{Boundary, Material, ParticleDomain, axis_name, group_index, pad, species_index};
+use super::domain::{Boundary, ParticleDomain};
+use super::groups::Material;
 use super::initial::{self, Amount, Deal};
+use super::names::{axis_name, group_index, pad, species_index};
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
 use crate::chemistry::{Kinetics, Network};

@@ -1,6 +1,7 @@
 //! The `initial:` of a model: how much of what, where.
 
-use super::domain::{Domain, group_index, pad, species_index};
+use super::domain::Domain;
+use super::names::{group_index, pad, species_index};
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
 use crate::chemistry::law::{Expression, Program};

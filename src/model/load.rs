@@ -2,7 +2,7 @@
 
 use super::node::{self, Node, Value};
 use super::reader::{Faults, Fields};
-use super::{Chemistry, Method, Model, Places, domain, initial, output, reactions};
+use super::{Chemistry, Method, Model, Places, domain, initial, names, output, reactions};
 use crate::chemistry::{Network, Representation};
 use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::Dimension;
@@ -274,7 +274,7 @@ fn check_only_in(network: &Network, domain: &domain::Domain, faults: &mut Faults
     let groups = domain.group_names();
     let mut check = |only_in: &Option<Vec<crate::chemistry::network::Named>>| {
         for named in only_in.iter().flatten() {
-            domain::group_index(&named.name, &named.place, &groups, faults);
+            names::group_index(&named.name, &named.place, &groups, faults);
         }
     };
     for species in &network.species {

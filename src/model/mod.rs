@@ -2,8 +2,12 @@
 
 pub mod conditions;
 pub mod domain;
+pub mod fluid;
+pub mod graph;
+pub mod groups;
 pub mod initial;
 pub mod load;
+pub mod names;
 pub mod node;
 pub mod output;
 pub mod reactions;
@@ -15,7 +19,9 @@ use crate::error::Place;
 use crate::record::ModelText;
 
 pub use conditions::Condition;
-pub use domain::{Boundary, Domain, FluidModel, Group, Material, ParticleDomain};
+pub use domain::{Boundary, Domain, ParticleDomain};
+pub use fluid::FluidModel;
+pub use groups::{Group, Material};
 pub use initial::{Amount, Deal, Initial};
 pub use output::{Output, Probe, ProbeShape, Run};
 

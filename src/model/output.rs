@@ -1,6 +1,7 @@
 //! The `run:` and `output:` of a model: for how long, how often, and what is looked at.
 
-use super::domain::{Domain, ParticleDomain, axis_name, group_index, pad, species_index};
+use super::domain::{Domain, ParticleDomain};
+use super::names::{axis_name, group_index, pad, species_index, species_named};
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
 use crate::chemistry::Network;
@@ -298,9 +299,9 @@ fn probes(node: &Node, domain: &Domain, network: &Network, faults: &mut Faults) 
         let (line, ring) = (fields.optional("line"), fields.optional("ring"));
         let species = match fields.optional("species") {
             None => Some((0..network.species.len()).collect()),
-            Some(n) => n.list(faults).map(|items| {
-                items.iter().filter_map(|item| super::domain::species_named(item, network, faults)).collect()
-            }),
+            Some(n) => n
+                .list(faults)
+                .map(|items| items.iter().filter_map(|item| species_named(item, network, faults)).collect()),
         };
         let velocity = match fields.optional("velocity") {
             None => Some(particles.fluid.is_some() && line.is_some()),

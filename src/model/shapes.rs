@@ -1,6 +1,6 @@
 //! Shapes as people write them.
 
-use super::domain::pad;
+use super::names::pad;
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
 use crate::geometry::Shape;

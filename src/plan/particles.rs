@@ -7,7 +7,8 @@ use crate::fluid::{
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Shape, fill};
 use crate::model::conditions::{WallMotion, WallName, What};
-use crate::model::domain::{Group, axis_name};
+use crate::model::groups::Group;
+use crate::model::names::axis_name;
 use crate::model::{Amount, Boundary, Deal, FluidModel, Material, Model, ParticleDomain};
 use crate::random::{Purpose, stream};
 use crate::vector::Vector;

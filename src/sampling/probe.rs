@@ -154,7 +154,7 @@ fn line<'p, const D: usize>(
         let fluid: Vec<bool> = scene.plan.home.iter().map(|&g| !scene.plan.is_wall(g)).collect();
         let weights = weights_of(&fluid).without(|k| in_wall(plan, &embed(&places[k])));
         for axis in 0..D {
-            let name = format!("v{}", crate::model::domain::axis_name(axis));
+            let name = format!("v{}", crate::model::names::axis_name(axis));
             let values =
                 (0..points).map(|k| weights.apply(k, |j| scene.snapshot.velocity[j][axis])).collect();
             velocity.push((name, values));

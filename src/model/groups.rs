@@ -1,0 +1,235 @@
+//! The `groups:` of a model: named particles with material and shape.
+
+use super::domain::Sections;
+use super::names::{axis_name, species_named};
+use super::node::{Key, Node};
+use super::reader::{Faults, Fields};
+use super::shapes;
+use crate::chemistry::Network;
+use crate::error::Place;
+use crate::geometry::{Lattice, Shape};
+use crate::quantity::Dimension;
+use crate::vector::Vector;
+
+/// What a group is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Material {
+    /// Moves with the flow (rests if there is none).
+    Fluid,
+    /// Solid: no slip or free slip.
+    Wall { free_slip: bool },
+    /// A region that particles of other groups pass through; owns no particles.
+    Zone,
+}
+
+/// A named group of particles.
+#[derive(Clone, Debug)]
+pub struct Group {
+    pub name: String,
+    pub material: Material,
+    pub shape: Shape,
+    pub lattice: Lattice,
+    /// m.
+    pub spacing: f64,
+    /// Random displacement of each particle, in spacings.
+    pub jitter: f64,
+    /// Indices of the species that may live here; all if `None`.
+    pub holds: Option<Vec<usize>>,
+    pub place: Place,
+}
+
+#[derive(Clone, Copy)]
+enum MaterialName {
+    Fluid,
+    Wall,
+    Zone,
+}
+
+/// Reads all groups.
+pub(super) fn read(
+    sections: &Sections,
+    d: usize,
+    corners: (&Vector<3>, &Vector<3>),
+    spacing: f64,
+    network: &Network,
+    faults: &mut Faults,
+) -> Option<Vec<Group>> {
+    let Some(node) = sections.groups else {
+        // The whole box is one group of fluid.
+        return Some(vec![Group {
+            name: "medium".into(),
+            material: Material::Fluid,
+            shape: Shape::EverythingElse,
+            lattice: Lattice::Square,
+            spacing,
+            jitter: 0.0,
+            holds: None,
+            place: sections.domain.place.clone(),
+        }]);
+    };
+    let fields = Fields::of(node, "groups", faults)?;
+    let mut found: Vec<Group> = Vec::new();
+    for (key, node) in fields.entries() {
+        if key.name == "all" || key.name == "boundary" {
+            faults.at(
+                &key.place,
+                format!("the group name `{}` is taken by the program", key.name),
+                "choose another name",
+            );
+        }
+        // A group with a fault stays known by its name, so that its uses are not reported as well.
+        let read = group(&key.name, &key.place, node, d, spacing, network, faults);
+        found.push(read.unwrap_or_else(|| unread(key, spacing)));
+    }
+    if found.len() > 60 {
+        faults.at(
+            &node.place,
+            format!("{} groups; at most 60 are possible", found.len()),
+            "join some of them",
+        );
+    }
+    let rest = found
+        .iter()
+        .filter(|group| group.shape == Shape::EverythingElse && group.material != Material::Zone)
+        .count();
+    if rest > 1 {
+        let place =
+            found.iter().rfind(|group| group.shape == Shape::EverythingElse).map(|group| &group.place);
+        faults.at(
+            place.unwrap_or(&node.place),
+            format!("{rest} groups are `everything_else`"),
+            "only one group can take what is left; give the others a shape of their own",
+        );
+    }
+    for group in &found {
+        check_fit(group, d, corners, faults);
+    }
+    Some(found)
+}
+
+/// Stands for a group that could not be read.
+fn unread(key: &Key, spacing: f64) -> Group {
+    Group {
+        name: key.name.clone(),
+        material: Material::Zone,
+        shape: Shape::EverythingElse,
+        lattice: Lattice::Square,
+        spacing,
+        jitter: 0.0,
+        holds: None,
+        place: key.place.clone(),
+    }
+}
+
+/// A square lattice must fit the box in whole cells.
+fn check_fit(group: &Group, d: usize, (min, max): (&Vector<3>, &Vector<3>), faults: &mut Faults) {
+    if group.material == Material::Zone || group.lattice != Lattice::Square {
+        return;
+    }
+    for k in 0..d {
+        let cells = (max[k] - min[k]) / group.spacing;
+        if (cells - cells.round()).abs() > 1e-6 * cells.max(1.0) || cells.round() < 1.0 {
+            let whole = cells.round().max(1.0);
+            faults.at(
+                &group.place,
+                format!(
+                    "the spacing {:.6} um of group `{}` does not fit the box: {:.4} cells along {}",
+                    group.spacing * 1e6,
+                    group.name,
+                    cells,
+                    axis_name(k)
+                ),
+                format!("{:.6} um would give {whole} whole cells", (max[k] - min[k]) / whole * 1e6),
+            );
+            return;
+        }
+    }
+}
+
+fn group(
+    name: &str,
+    place: &Place,
+    node: &Node,
+    d: usize,
+    default_spacing: f64,
+    network: &Network,
+    faults: &mut Faults,
+) -> Option<Group> {
+    let mut fields = Fields::of(node, &format!("group `{name}`"), faults)?;
+    let kinds = [("fluid", MaterialName::Fluid), ("wall", MaterialName::Wall), ("zone", MaterialName::Zone)];
+    let material = match fields.optional("material") {
+        None => MaterialName::Fluid,
+        Some(n) => n.choice(&kinds, faults)?,
+    };
+    let shape = fields.required("shape", faults).and_then(|n| shapes::read(n, d, faults));
+    let mut lattice = Lattice::Square;
+    let (mut spacing, mut jitter, mut holds) = (default_spacing, 0.0, None);
+    if !matches!(material, MaterialName::Zone) {
+        if let Some(n) = fields.optional("lattice") {
+            lattice = n.choice(&[("square", Lattice::Square), ("rings", Lattice::Rings)], faults)?;
+            let round = matches!(shape, Some(Shape::Ball { .. } | Shape::Shell { .. }) | None);
+            if lattice == Lattice::Rings && (d != 2 || !round) {
+                faults.at(
+                    &n.place,
+                    "a lattice of rings needs a disc or ring in 2 dimensions",
+                    "use lattice: square",
+                );
+            }
+        }
+        if let Some(n) = fields.optional("spacing") {
+            spacing = n.positive(Dimension::LENGTH, faults)?;
+        }
+        if let Some(n) = fields.optional("jitter") {
+            jitter = n.number(faults)?;
+            if !(0.0..=0.4).contains(&jitter) {
+                faults.at(
+                    &n.place,
+                    format!("a jitter of {jitter} spacings"),
+                    "jitter lies between 0 and 0.4",
+                );
+            }
+        }
+        if let Some(n) = fields.optional("holds") {
+            holds = species_held(n, network, faults);
+        }
+    }
+    let free_slip = match (material, fields.optional("slip")) {
+        (_, None) => false,
+        (MaterialName::Wall, Some(n)) => n.choice(&[("no_slip", false), ("free_slip", true)], faults)?,
+        (_, Some(n)) => {
+            faults.at(&n.place, "`slip` belongs to a wall", "remove it, or set material: wall");
+            false
+        }
+    };
+    fields.finish(faults);
+    let material = match material {
+        MaterialName::Fluid => Material::Fluid,
+        MaterialName::Wall => Material::Wall { free_slip },
+        MaterialName::Zone => Material::Zone,
+    };
+    Some(Group {
+        name: name.into(),
+        material,
+        shape: shape?,
+        lattice,
+        spacing,
+        jitter,
+        holds,
+        place: place.clone(),
+    })
+}
+
+fn species_held(node: &Node, network: &Network, faults: &mut Faults) -> Option<Vec<usize>> {
+    if let super::node::Value::Text(word) = &node.value {
+        match word.as_str() {
+            "all" => return None,
+            "none" => return Some(Vec::new()),
+            _ => {}
+        }
+    }
+    let items: Vec<&Node> = match &node.value {
+        super::node::Value::List(items) => items.iter().collect(),
+        _ => vec![node],
+    };
+    Some(items.into_iter().filter_map(|item| species_named(item, network, faults)).collect())
+}
