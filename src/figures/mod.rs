@@ -160,11 +160,15 @@ pub(crate) fn slug(text: &str) -> String {
 /// Up to four of the recorded times that tell most: those of the distributions asked for, the end, the middle and the
 /// quarters. The start is left out where two later times are known.
 pub(crate) fn moments(samples: &Samples, times: &[f64]) -> Vec<usize> {
+    let asked: Vec<f64> = samples.record.histograms.iter().flat_map(|h| h.times.iter().copied()).collect();
+    choose(times, &asked)
+}
+
+fn choose(times: &[f64], asked: &[f64]) -> Vec<usize> {
     const MOST: usize = 4;
     let later: Vec<usize> = (0..times.len()).filter(|&k| times[k] > 0.0).collect();
     let Some(&last) = later.last().filter(|_| later.len() > 1) else { return (0..times.len()).collect() };
     let end = times[last];
-    let asked: Vec<f64> = samples.record.histograms.iter().flat_map(|h| h.times.iter().copied()).collect();
     let asked = spread(asked.len(), MOST).into_iter().map(|k| asked[k]);
     let mut chosen: Vec<usize> = Vec::new();
     for target in asked.chain([1.0, 0.5, 0.25, 0.75].map(|part| part * end)) {
@@ -193,20 +197,9 @@ mod tests {
 
     #[test]
     fn figures_show_the_times_that_were_asked_for() {
-        let mut samples = Samples {
-            record: RunRecord::default(),
-            series: SeriesTable::default(),
-            probes: Vec::new(),
-            histograms: Vec::new(),
-            covariance: false,
-            species: Vec::new(),
-            frames: Vec::new(),
-        };
         let times: Vec<f64> = (0..=40).map(|k| f64::from(k) * 0.1).collect();
-        assert_eq!(moments(&samples, &times), [10, 20, 30, 40]);
-        samples.record.histograms =
-            vec![crate::record::HistogramRecord { times: vec![0.5, 4.0], ..Default::default() }];
-        assert_eq!(moments(&samples, &times), [5, 10, 20, 40]);
-        assert_eq!((moments(&samples, &[0.0, 1.0]), moments(&samples, &[])), (vec![0, 1], vec![]));
+        assert_eq!(choose(&times, &[]), [10, 20, 30, 40]);
+        assert_eq!(choose(&times, &[0.5, 4.0]), [5, 10, 20, 40]);
+        assert_eq!((choose(&[0.0, 1.0], &[]), choose(&[], &[])), (vec![0, 1], vec![]));
     }
 }
