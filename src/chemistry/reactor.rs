@@ -41,6 +41,8 @@ pub struct Reactor {
     pub habitat: Vec<GroupSet>,
     /// Groups (home or current) in which each reaction happens.
     pub active: Vec<GroupSet>,
+    /// Home groups in which every species that a reaction changes may live; it happens in no other.
+    pub livable: Vec<GroupSet>,
 }
 
 impl Reactor {
@@ -55,6 +57,11 @@ impl Reactor {
             diffusivity: network.species.iter().map(|s| s.diffusion).collect(),
             habitat: habitat.to_vec(),
             active: active.to_vec(),
+            livable: network
+                .reactions
+                .iter()
+                .map(|r| r.change().iter().fold(GroupSet::ALL, |set, &(s, _)| GroupSet(set.0 & habitat[s].0)))
+                .collect(),
         }
     }
 
@@ -87,7 +94,7 @@ impl Reactor {
     #[inline]
     #[must_use]
     pub fn happens(&self, r: usize, home: u8, current: u8) -> bool {
-        self.active[r].holds(home) || self.active[r].holds(current)
+        self.livable[r].holds(home) && (self.active[r].holds(home) || self.active[r].holds(current))
     }
 
     /// The propensity `value` of reaction `r` is no propensity.

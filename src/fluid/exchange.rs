@@ -17,6 +17,8 @@ pub struct Voxels<'a, const D: usize> {
     pub hosts: &'a [bool],
     pub domain: &'a Domain<D>,
     pub barriers: &'a [Barrier],
+    /// Regions that molecules do not pass: signed distances, negative inside. No link leads through one.
+    pub obstacles: &'a [&'a (dyn Fn(&Vector<D>) -> f64 + Sync)],
 }
 
 /// A plane that no molecule crosses by diffusion. On a periodic axis it may stand at the wrap.
@@ -52,7 +54,7 @@ pub fn links<const D: usize>(voxels: &Voxels<D>, kernel: &Kernel<D>, thickness: 
             let j = original[image] as usize;
             if image != i && hosts[j] && !voxels.separated(&places[i], &x) {
                 let f = kernel.f(r2.sqrt());
-                if f > 0.0 {
+                if f > 0.0 && !voxels.obstructed(&places[i], &x, kernel.cutoff()) {
                     alpha[i] += volumes[j] * f * r2 / D as f64;
                     if j > i {
                         pairs.push((i as u32, j as u32, f));
@@ -127,6 +129,13 @@ impl<const D: usize> Voxels<'_, D> {
         (places, original)
     }
 
+    /// Whether the way -x from a place leads through an obstacle, judged at its quarters.
+    fn obstructed(&self, from: &Vector<D>, x: &Vector<D>, cutoff: f64) -> bool {
+        self.obstacles.iter().any(|distance| {
+            [0.25, 0.5, 0.75].iter().any(|&part| distance(&(from - x * part)) < -1e-9 * cutoff)
+        })
+    }
+
     /// Whether the way -x from a place crosses a barrier.
     fn separated(&self, from: &Vector<D>, x: &Vector<D>) -> bool {
         self.barriers.iter().filter(|barrier| barrier.axis < D).any(|barrier| {
@@ -176,6 +185,7 @@ mod tests {
             hosts: &hosts,
             domain: &domain,
             barriers: &[],
+            obstacles: &[],
         };
         let links = links(&voxels, &Kernel::new(KernelKind::Lucy, ratio), 1.0);
         symmetric(&links);
@@ -229,6 +239,7 @@ mod tests {
             hosts: &hosts,
             domain: &domain,
             barriers: &barriers,
+            obstacles: &[],
         };
         let links = links(&voxels, &Kernel::new(KernelKind::Lucy, 2.4), 1e-6);
         symmetric(&links);

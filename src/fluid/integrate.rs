@@ -27,13 +27,20 @@ impl<const D: usize> Flow<D> {
         rayon::scope(|_| (0..steps).try_for_each(|_| self.step(dt)))
     }
 
-    /// Advances by `duration` (s) in equal steps of at most the step limit.
+    /// Advances by `duration` (s) in equal steps of at most the step limit, up to t = 0: until then walls that
+    /// travel or oscillate rest, and those that rotate turn in their place.
     ///
     /// # Errors
     /// As [`Flow::advance`].
     pub fn settle(&mut self, duration: f64) -> Result<(), RunError> {
+        if duration <= 0.0 {
+            return Ok(());
+        }
         let steps = (duration / self.step_limit().seconds).ceil().max(1.0);
-        self.advance(duration / steps, steps as u64)
+        self.time = -duration;
+        self.advance(duration / steps, steps as u64)?;
+        self.time = 0.0;
+        Ok(())
     }
 
     /// Kick, drift, density, walls, forces, bounce, kick.
@@ -57,7 +64,7 @@ impl<const D: usize> Flow<D> {
 
     /// v += dt/2 a, sponges, x += dt (v + w), for the fluid.
     fn kick_and_drift(&mut self, dt: f64) {
-        let sponges = Relaxation::new(&self.sponges, 0.5 * dt, &self.domain);
+        let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
         let (fastest, transport) = self
             .positions
             .par_chunks_mut(BLOCK)
@@ -232,7 +239,7 @@ impl<const D: usize> Flow<D> {
 
     /// Corrected positions, acceleration, v += dt/2 a, sponges, and the shift of the next drift.
     pub(super) fn finish(&mut self, dt: f64) {
-        let sponges = Relaxation::new(&self.sponges, 0.5 * dt, &self.domain);
+        let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
         let shift = self.terms.shift.as_ref();
         let gravity = self.setup.gravity;
         self.positions
@@ -255,6 +262,11 @@ impl<const D: usize> Flow<D> {
                     }
                 }
             });
+    }
+
+    /// Time a particle takes across a cut-off at the reference speed, s.
+    fn passage(&self) -> f64 {
+        self.kernel.cutoff() / self.setup.reference_speed
     }
 
     /// The fault of particle `i` (in the present order) at the present step.

@@ -1,4 +1,5 @@
-//! How a solid body moves, as a function of time alone.
+//! How a solid body moves, as a function of time alone. Before t = 0, while a flow settles, bodies keep their
+//! places: those that travel or oscillate rest, those that rotate turn where they are.
 
 use crate::vector::Vector;
 
@@ -25,7 +26,7 @@ impl<const D: usize> Motion<D> {
         match self {
             Motion::Still | Motion::Belt { .. } => *start,
             Motion::Translating { .. } | Motion::Oscillating { .. } => start + self.displacement(t),
-            Motion::Rotating { centre, rate } => centre + rotate(&(start - centre), rate, t),
+            Motion::Rotating { centre, rate } => centre + rotate(&(start - centre), rate, t.max(0.0)),
         }
     }
 
@@ -35,7 +36,7 @@ impl<const D: usize> Motion<D> {
         match self {
             Motion::Still | Motion::Belt { .. } => *point,
             Motion::Translating { .. } | Motion::Oscillating { .. } => point - self.displacement(t),
-            Motion::Rotating { centre, rate } => centre + rotate(&(point - centre), rate, -t),
+            Motion::Rotating { centre, rate } => centre + rotate(&(point - centre), rate, -t.max(0.0)),
         }
     }
 
@@ -44,6 +45,7 @@ impl<const D: usize> Motion<D> {
     pub fn velocity(&self, point: &Vector<D>, t: f64) -> Vector<D> {
         match self {
             Motion::Still => Vector::zeros(),
+            Motion::Translating { .. } | Motion::Oscillating { .. } if t < 0.0 => Vector::zeros(),
             Motion::Belt { velocity } | Motion::Translating { velocity } => *velocity,
             Motion::Oscillating { amplitude, frequency } => amplitude * (frequency * t).sin(),
             Motion::Rotating { centre, rate } => cross(rate, &(point - centre)),
@@ -55,6 +57,7 @@ impl<const D: usize> Motion<D> {
     pub fn acceleration(&self, point: &Vector<D>, t: f64) -> Vector<D> {
         match self {
             Motion::Still | Motion::Belt { .. } | Motion::Translating { .. } => Vector::zeros(),
+            Motion::Oscillating { .. } if t < 0.0 => Vector::zeros(),
             Motion::Oscillating { amplitude, frequency } => amplitude * (*frequency * (frequency * t).cos()),
             Motion::Rotating { centre, rate } => cross(rate, &cross(rate, &(point - centre))),
         }
@@ -67,6 +70,7 @@ impl<const D: usize> Motion<D> {
     }
 
     fn displacement(&self, t: f64) -> Vector<D> {
+        let t = t.max(0.0);
         match self {
             Motion::Translating { velocity } => velocity * t,
             Motion::Oscillating { amplitude, frequency } if *frequency != 0.0 => {

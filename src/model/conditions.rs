@@ -225,7 +225,22 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Opt
         None => Vector::zeros(),
     };
     let axis = match fields.optional("axis") {
-        Some(n) => pad(&n.vector(Dimension::NONE, d, faults)?),
+        Some(n) if d != 3 => {
+            faults.at(
+                &n.place,
+                "an axis of rotation needs 3 dimensions",
+                "remove it; in the plane walls turn about z",
+            );
+            return None;
+        }
+        Some(n) => {
+            let axis = pad(&n.vector(Dimension::NONE, d, faults)?);
+            if axis.norm() == 0.0 {
+                faults.at(&n.place, "the axis of rotation is zero", "it is a direction, e.g. [0, 0, 1]");
+                return None;
+            }
+            axis
+        }
         None => Vector::from([0.0, 0.0, 1.0]),
     };
     fields.finish(faults);

@@ -176,6 +176,10 @@ fn times(fields: &mut Fields, until: f64, faults: &mut Faults) -> Option<Option<
                 }
                 found.push(t);
             }
+            if found.is_empty() {
+                faults.at(&n.place, "no output times", "give at least one, e.g. times: [1 s], or `every`");
+                return None;
+            }
             found.sort_by(f64::total_cmp);
             found.dedup();
             Some(Some(found))

@@ -3,7 +3,7 @@
 use super::Column;
 use crate::chemistry::analysis::Analysis;
 use crate::chemistry::network::Named;
-use crate::chemistry::{GroupSet, Kinetics, Network, Propensities, Rate, Reaction, Reactor, Representation};
+use crate::chemistry::{GroupSet, Network, Rate, Reaction, Reactor, Representation};
 use crate::error::Fault;
 use crate::model::conditions::What;
 use crate::model::{Domain, Material, Method, Model};
@@ -149,16 +149,23 @@ pub fn reactor(
             }
         }
     }
-    let active = network.reactions.iter().map(|r| set_of(r.only_in.as_ref(), &names, groups)).collect();
-    Reactor {
-        species: network.species.iter().map(|species| species.name.clone()).collect(),
-        reactions: network.reactions.iter().map(|reaction| reaction.name.clone()).collect(),
-        propensities: Propensities::compile(network, &discrete),
-        discrete,
-        diffusivity: network.species.iter().map(|species| species.diffusion).collect(),
-        habitat,
-        active,
+    let active: Vec<GroupSet> =
+        network.reactions.iter().map(|r| set_of(r.only_in.as_ref(), &names, groups)).collect();
+    let reactor = Reactor::new(network, &discrete, &habitat, &active);
+    let homes = match &model.domain {
+        Domain::Particles(domain) => (1_u64 << domain.groups.len()) - 1,
+        _ => u64::MAX,
+    };
+    for (reaction, livable) in network.reactions.iter().zip(&reactor.livable) {
+        if livable.0 & homes == 0 {
+            faults.push(Fault::at(
+                &reaction.place,
+                format!("reaction `{}` can happen nowhere", reaction.name),
+                "no group holds all the species it changes; see their `only_in` and the groups' `holds`",
+            ));
+        }
     }
+    reactor
 }
 
 /// What the series record: every group with every species that can be there, then the sum `all`.
@@ -246,13 +253,4 @@ pub fn receptor_pairs(network: &Network, analysis: &Analysis) -> Vec<(usize, usi
         }
     }
     pairs
-}
-
-/// The unit of a rate constant's kinetics in words, for messages.
-#[must_use]
-pub fn kinetics_words(kinetics: Kinetics) -> &'static str {
-    match kinetics {
-        Kinetics::Concentration => "concentration",
-        Kinetics::Molecules => "molecules",
-    }
 }

@@ -27,6 +27,8 @@ pub struct ParticlePlan<const D: usize> {
     pub home: Vec<u8>,
     /// Whether the particles of each group are wall, walls round the box last.
     walls: Vec<bool>,
+    /// Groups that stay where they are and have a shape of their own.
+    pub still: Vec<(u8, Shape)>,
     /// Zones: group number and region.
     pub zones: Vec<(u8, Shape)>,
     pub barriers: Vec<Barrier>,
@@ -36,6 +38,8 @@ pub struct ParticlePlan<const D: usize> {
     pub flow: Option<Setup<D>>,
     /// How long the flow runs before t = 0, s.
     pub settle: f64,
+    /// Smallest spacing, m.
+    finest: f64,
 }
 
 /// A sponge as the chemistry sees it.
@@ -95,7 +99,14 @@ impl<const D: usize> ParticlePlan<D> {
                 }
                 _ => 0,
             };
-            let found = fill::<D>(&region, &min, &max, &mut random);
+            // Points on a surface that two groups share go to the one that comes first.
+            let earlier: Vec<&Shape> =
+                solid.iter().take_while(|other| other.name != group.name).map(|other| &other.shape).collect();
+            let mut found = fill::<D>(&region, &min, &max, &mut random);
+            found.retain(|(x, _)| {
+                let on = |shape: &&Shape| shape.signed_distance(&embed(x)).abs() <= 1e-9 * group.spacing;
+                !earlier.iter().any(on)
+            });
             if found.is_empty() {
                 faults.push(Fault::at(
                     &group.place,
@@ -126,6 +137,13 @@ impl<const D: usize> ParticlePlan<D> {
                 .map(|group| matches!(group.material, Material::Wall { .. }))
                 .chain([true])
                 .collect(),
+            still: domain
+                .groups
+                .iter()
+                .enumerate()
+                .filter(|(g, group)| stays(domain, *g, group))
+                .map(|(g, group)| (g as u8, group.shape.clone()))
+                .collect(),
             zones: domain
                 .groups
                 .iter()
@@ -138,13 +156,15 @@ impl<const D: usize> ParticlePlan<D> {
             held: Vec::new(),
             flow: None,
             settle: domain.fluid.as_ref().map_or(0.0, |fluid| fluid.settle),
+            finest: domain.groups.iter().map(|group| group.spacing).fold(domain.spacing, f64::min),
         };
+        plan.check_zones(domain, faults);
         plan.read_conditions(domain);
         if let Some(fluid) = &domain.fluid {
             plan.add_side_walls(domain, &mut bodies);
             plan.flow = Some(plan.setup(domain, fluid, bodies));
-            plan.check_periodic_extent(model, faults);
         }
+        plan.check_extent(model, faults);
         plan
     }
 
@@ -158,6 +178,23 @@ impl<const D: usize> ParticlePlan<D> {
     #[must_use]
     pub fn is_wall(&self, home: u8) -> bool {
         self.walls[usize::from(home)]
+    }
+
+    /// A particle is in one zone at a time.
+    fn check_zones(&self, domain: &ParticleDomain, faults: &mut Vec<Fault>) {
+        for (k, (a, shape)) in self.zones.iter().enumerate() {
+            for (b, other) in &self.zones[..k] {
+                let both = |x: &Vector<3>| shape.holds(x) && other.holds(x);
+                if self.particles.iter().any(|p| both(&embed(&p.position))) {
+                    let (a, b) = (&domain.groups[usize::from(*a)], &domain.groups[usize::from(*b)]);
+                    faults.push(Fault::at(
+                        &a.place,
+                        format!("the zones `{}` and `{}` overlap", a.name, b.name),
+                        "cut one out of the other, e.g. shape: { difference: [..., ...] }",
+                    ));
+                }
+            }
+        }
     }
 
     fn read_conditions(&mut self, domain: &ParticleDomain) {
@@ -270,15 +307,22 @@ impl<const D: usize> ParticlePlan<D> {
         }
     }
 
-    /// A particle must not see itself round a periodic axis.
-    fn check_periodic_extent(&self, model: &Model, faults: &mut Vec<Fault>) {
+    /// A particle must not see another twice round a periodic axis, nor its image's image between two sides.
+    fn check_extent(&self, model: &Model, faults: &mut Vec<Fault>) {
         for k in 0..D {
             let extent = self.domain.max[k] - self.domain.min[k];
-            if self.domain.periodic[k] && extent < 3.0 * self.cutoff {
+            let (needed, what) = match (self.domain.periodic[k], self.flow.is_some()) {
+                (true, true) => (3.0, "periodic"),
+                (true, false) => (2.0, "periodic"),
+                (false, _) => (1.0, "closed"),
+            };
+            // Along a single layer of particles nothing moves.
+            let single = !self.domain.periodic[k] && extent < 1.5 * self.finest;
+            if extent < needed * self.cutoff * (1.0 - 1e-9) && !single {
                 faults.push(Fault::at(
                     &model.places.domain,
                     format!(
-                        "the box is {:.4} um along the periodic axis {}, less than three cut-offs of {:.4} um",
+                        "the box is {:.4} um along the {what} axis {}; {needed} cut-offs of {:.4} um are needed",
                         extent * 1e6,
                         axis_name(k),
                         self.cutoff * 1e6
@@ -306,6 +350,19 @@ fn motion<const D: usize>(domain: &ParticleDomain, wall: WallName) -> Motion<D> 
             Motion::Rotating { centre: narrow(centre), rate: (axis * *rate).into() }
         }
     }
+}
+
+/// Whether a group has a shape of its own and stays in it.
+fn stays(domain: &ParticleDomain, g: usize, group: &Group) -> bool {
+    let solid = match group.material {
+        Material::Zone => false,
+        Material::Fluid => domain.fluid.is_none(),
+        Material::Wall { .. } => !domain.conditions.iter().any(|condition| {
+            matches!(&condition.what, What::MovingWall { wall: WallName::Group(moved), motion }
+                if *moved == g && !matches!(motion, WallMotion::Belt(_)))
+        }),
+    };
+    solid && group.shape != Shape::EverythingElse
 }
 
 fn wall_body<const D: usize>(domain: &ParticleDomain, g: usize, group: &Group, free_slip: bool) -> Body<D> {

@@ -3,7 +3,8 @@
 use super::{Arena, Plan};
 use crate::chemistry::AVOGADRO;
 use crate::chemistry::deal::apportion;
-use crate::error::Fault;
+use crate::error::{Fault, ModelError, Place};
+use crate::model::conditions::What;
 use crate::model::{Amount, Deal, Domain, Initial, Material};
 use crate::vector::Vector;
 
@@ -57,9 +58,12 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
     for entry in groups.into_iter().chain(zones) {
         let members = members(plan, voxels, entry.group, entry.species);
         if is_zone(plan, entry.group) {
-            let slots: Vec<u32> = members.iter().map(|&i| (i * count + entry.species) as u32).collect();
-            slots.iter().for_each(|&slot| start.amounts[slot as usize] = 0.0);
-            start.poisson.retain(|(slot, _)| !slots.contains(slot));
+            let mut replaced = vec![false; start.amounts.len()];
+            for &i in &members {
+                replaced[i * count + entry.species] = true;
+                start.amounts[i * count + entry.species] = 0.0;
+            }
+            start.poisson.retain(|(slot, _)| !replaced[*slot as usize]);
         }
         for (i, mean) in means(plan, voxels, &members, entry.species, &entry.amount, entry.deal) {
             let index = i * count + entry.species;
@@ -86,7 +90,79 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
             }
         }
     }
+    // A reservoir is what it is held at, whatever was stated for the start.
+    let held = &start.held;
+    start.poisson.retain(|(slot, _)| !held[*slot as usize]);
     start
+}
+
+/// More molecules than this in a voxel are no longer exact as `f64`.
+const MOST_MOLECULES: f64 = 9.0e15;
+
+/// Refuses fields that are negative or undefined somewhere, and more whole molecules than can be counted.
+///
+/// # Errors
+/// All faults, each at the amount in the model.
+pub fn check_amounts(plan: &Plan, voxels: &Voxels) -> Result<(), ModelError> {
+    let mut faults = Vec::new();
+    for entry in &plan.model.initial {
+        let members = members(plan, voxels, entry.group, entry.species);
+        if let Some(fault) = bad_amount(plan, voxels, &members, entry.species, &entry.amount, &entry.place) {
+            faults.push(fault);
+        }
+    }
+    if let Domain::Particles(domain) = &plan.model.domain {
+        for condition in &domain.conditions {
+            let (What::Sponge { group, species, .. } | What::Held { group, species, .. }) = &condition.what
+            else {
+                continue;
+            };
+            for (s, amount) in species {
+                let members = members(plan, voxels, Some(*group), *s);
+                faults.extend(bad_amount(plan, voxels, &members, *s, amount, &condition.place));
+            }
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(ModelError { faults }) }
+}
+
+fn bad_amount(
+    plan: &Plan,
+    voxels: &Voxels,
+    members: &[usize],
+    species: usize,
+    amount: &Amount,
+    place: &Place,
+) -> Option<Fault> {
+    let name = &plan.reactor.species[species];
+    if let Amount::Field(program) = amount {
+        let values: Vec<f64> =
+            members.iter().map(|&i| program.eval(voxels.positions[i].as_slice())).collect();
+        let largest = values.iter().fold(0.0_f64, |largest, v| largest.max(v.abs()));
+        // A sum that should vanish may fall short of zero by rounding.
+        let wrong = values.iter().position(|v| !(*v >= -1e-12 * largest && v.is_finite()));
+        if let Some(k) = wrong {
+            let x = voxels.positions[members[k]] * 1e6;
+            return Some(Fault::at(
+                place,
+                format!(
+                    "the concentration of `{name}` is {:.4e} mol/m^3 at ({:.4}, {:.4}, {:.4}) um",
+                    values[k], x[0], x[1], x[2]
+                ),
+                "a concentration is a finite number, zero or more; max(0, ...) cuts off what lies below",
+            ));
+        }
+    }
+    let total: f64 =
+        means(plan, voxels, members, species, amount, Deal::Poisson).iter().map(|(_, n)| n).sum();
+    if plan.reactor.discrete[species] && total > MOST_MOLECULES {
+        return Some(Fault::at(
+            place,
+            format!("{total:.3e} molecules of `{name}` are more than can be counted one by one (9e15)"),
+            "make the volume smaller, or give the species representation: continuous",
+        ));
+    }
+    None
 }
 
 fn is_zone(plan: &Plan, group: Option<usize>) -> bool {

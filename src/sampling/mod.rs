@@ -85,7 +85,6 @@ impl<'p> Sums<'p> {
 /// A particle geometry at an output time, ready to look at realizations.
 pub struct Lens<'p, const D: usize> {
     plan: &'p Plan,
-    time: f64,
     sums: Sums<'p>,
     probes: Vec<ProbeLens<'p, D>>,
     /// Places, velocities and the like of all particles but the walls round the box; amounts to be added.
@@ -95,14 +94,13 @@ pub struct Lens<'p, const D: usize> {
 impl<'p, const D: usize> Lens<'p, D> {
     /// Works out sums, probe weights and the particle frame of a scene.
     #[must_use]
-    pub fn new(plan: &'p Plan, scene: &Scene<D>, time: f64) -> Lens<'p, D> {
+    pub fn new(plan: &'p Plan, scene: &Scene<D>) -> Lens<'p, D> {
         let groups = plan.model.domain.group_names();
         let slot: Vec<u32> = scene.current.iter().map(|&g| u32::from(g)).collect();
         let wanted = plan.model.output.particles.as_ref();
-        let frame = wanted.filter(|(times, _)| times.contains(&time)).map(|_| frame(scene, time, &groups));
+        let frame = wanted.map(|_| frame(scene, &groups));
         Lens {
             plan,
-            time,
             sums: Sums::new(plan, slot, &scene.volumes, groups.len()),
             probes: plan.model.output.probes.iter().map(|probe| ProbeLens::new(plan, probe, scene)).collect(),
             frame,
@@ -111,17 +109,17 @@ impl<'p, const D: usize> Lens<'p, D> {
 
     /// Appends this time to what a realization has shown. `shared` tells that all realizations see one flow,
     /// whose velocities only the first one (number 0) records.
-    pub fn look(&self, amounts: &[f64], shared: bool, observed: &mut Observed) {
+    pub fn look(&self, amounts: &[f64], time: f64, shared: bool, observed: &mut Observed) {
         self.sums.look(amounts, &mut observed.series);
         let realization = observed.series.realization;
         for probe in &self.probes {
-            probe.look(amounts, self.time, realization, realization == 0 || !shared, &mut observed.probes);
+            probe.look(amounts, time, realization, realization == 0 || !shared, &mut observed.probes);
         }
         let Some((frame, rows)) = &self.frame else { return };
-        let count = self.plan.model.output.particles.as_ref().map_or(0, |(_, count)| *count);
-        if realization < count {
+        let wanted = self.plan.model.output.particles.as_ref();
+        if wanted.is_some_and(|(times, count)| realization < *count && times.contains(&time)) {
             let species = self.plan.reactor.species.len();
-            let mut frame = frame.clone();
+            let mut frame = ParticleFrame { time, ..frame.clone() };
             frame.amounts = (0..species)
                 .map(|s| rows.iter().map(|&i| amounts[i as usize * species + s]).collect())
                 .collect();
@@ -131,7 +129,7 @@ impl<'p, const D: usize> Lens<'p, D> {
 }
 
 /// All particles of a scene that belong to a group, and their numbers.
-fn frame<const D: usize>(scene: &Scene<D>, time: f64, groups: &[String]) -> (ParticleFrame, Vec<u32>) {
+fn frame<const D: usize>(scene: &Scene<D>, groups: &[String]) -> (ParticleFrame, Vec<u32>) {
     let rows: Vec<u32> = (0..scene.positions.len() as u32)
         .filter(|&i| usize::from(scene.current[i as usize]) < groups.len())
         .collect();
@@ -140,7 +138,7 @@ fn frame<const D: usize>(scene: &Scene<D>, time: f64, groups: &[String]) -> (Par
         std::array::from_fn(|k| if k < D { v[k] } else { 0.0 })
     };
     let frame = ParticleFrame {
-        time,
+        time: 0.0,
         groups: groups.to_vec(),
         group: rows.iter().map(|&i| u16::from(scene.current[i as usize])).collect(),
         position: rows.iter().map(|&i| three(&scene.snapshot.position[i as usize])).collect(),

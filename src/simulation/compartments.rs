@@ -9,7 +9,7 @@ use crate::chemistry::ssa::{Direct, EventMethod, NextReaction, NextSubvolume};
 use crate::error::RunError;
 use crate::model::Method;
 use crate::plan::limits::check_steps;
-use crate::plan::start::{Start, Voxels, start};
+use crate::plan::start::{Start, Voxels, check_amounts, start};
 use crate::plan::{Compartments, Plan};
 use crate::random::{Purpose, stream};
 use crate::record::{StepRecord, StepsRecord};
@@ -52,6 +52,7 @@ impl<'p> Ready<'p> {
             home: &arena.home,
             current: &arena.home,
         };
+        check_amounts(plan, &places)?;
         let start = start(plan, &places);
         let slot = (0..arena.volumes.len() as u32).collect();
         let sums = Sums::new(plan, slot, &arena.volumes, arena.volumes.len());
@@ -239,7 +240,7 @@ fn split(
 ) -> Result<(Frozen, Vec<Interval>, String), NotReady> {
     let frozen = Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
     let chemistry = &plan.model.chemistry;
-    let bounds = step_bounds(&plan.reactor, &frozen, &start.amounts, chemistry.hops, chemistry.change);
+    let bounds = step_bounds(&plan.reactor, &frozen, &start.means(), chemistry.hops, chemistry.change);
     let until = plan.model.run.until;
     let (step, limited_by) = match chemistry.step {
         Some(step) => (step, "the step given in the model".to_string()),

@@ -3,6 +3,7 @@
 pub mod clock;
 pub mod compartments;
 pub mod particles;
+mod realization;
 pub mod scene;
 pub mod watch;
 

@@ -1,19 +1,19 @@
 //! Realizations on particles: one flow for all of them, or particles at rest.
 
 use super::clock::{Interval, intervals};
+use super::realization::{Realization, Reservoirs, Surroundings};
 use super::scene::Scene;
 use super::{FlowTally, NotReady, Outcome, Tally, Watch};
-use crate::chemistry::sampling_numbers::poisson;
-use crate::chemistry::split::{Frozen, SplitState, StepBounds, step_bounds};
+use crate::chemistry::split::{Frozen, StepBounds, step_bounds};
 use crate::error::RunError;
 use crate::plan::limits::check_steps;
-use crate::plan::start::{Start, sponge_targets, start};
+use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
-use crate::random::{Purpose, stream};
 use crate::record::{StepRecord, StepsRecord};
 use crate::sampling::{Lens, Observed};
 use crate::tables::SeriesBlock;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// A particle plan at t = 0: the flow settled, the steps chosen.
@@ -29,20 +29,6 @@ pub struct Ready<'p, const D: usize> {
     fluid_seconds: f64,
 }
 
-/// What the reservoirs do on one geometry: for each sponge and species its rate, voxels and targets.
-struct Reservoirs {
-    sponges: Vec<(usize, f64, Vec<u32>, Vec<f64>)>,
-}
-
-/// A realization under way.
-struct Realization {
-    number: u32,
-    state: SplitState,
-    /// Molecules of each species at the start.
-    total: Vec<f64>,
-    observed: Observed,
-}
-
 impl<'p, const D: usize> Ready<'p, D> {
     /// Builds the flow, lets it settle, and chooses the steps.
     ///
@@ -50,20 +36,23 @@ impl<'p, const D: usize> Ready<'p, D> {
     /// Too many steps, or a flow that fails while it settles.
     pub fn new(plan: &'p Plan, arena: &'p ParticlePlan<D>) -> Result<Ready<'p, D>, NotReady> {
         let begun = Instant::now();
-        let mut scene = Scene::new(arena, &plan.reactor)?;
+        let mut scene = Scene::new(arena)?;
         let until = plan.model.run.until;
-        let fluid = scene.flow.as_ref().map(|flow| {
-            let limit = flow.step_limit();
-            (limit.seconds, limit.limited_by)
-        });
-        if let Some((step, limited_by)) = &fluid {
-            check_steps(&plan.model.places.run, "fluid", *step, limited_by, until + arena.settle)?;
-        }
+        let mut fluid = None;
         if let Some(flow) = &mut scene.flow {
+            let before = flow.step_limit();
+            let (place, duration) = (&plan.model.places.run, until + arena.settle);
+            check_steps(place, "fluid", before.seconds, &before.limited_by, duration)?;
             flow.settle(arena.settle)?;
-            scene.look();
+            // Faster flow than expected shows by now.
+            let after = flow.step_limit();
+            let limit = if after.seconds < before.seconds { after } else { before };
+            check_steps(place, "fluid", limit.seconds, &limit.limited_by, duration)?;
+            fluid = Some((limit.seconds, limit.limited_by));
         }
+        scene.look();
         let fluid_seconds = begun.elapsed().as_secs_f64();
+        check_amounts(plan, &scene.places())?;
         let start = start(plan, &scene.places());
         let frozen = freeze(plan, &scene, &start)?;
         let bounds = bounds(plan, &scene, &frozen, &start);
@@ -107,7 +96,11 @@ impl<'p, const D: usize> Ready<'p, D> {
             fluid: self.fluid.as_ref().map(|(_, limited_by)| StepRecord {
                 step: finest,
                 count: self.clock.iter().map(|i| i.ticks * i.fluid_steps).sum(),
-                limited_by: limited_by.clone(),
+                limited_by: if self.clock.iter().all(|i| i.fluid_steps <= 1) {
+                    "the chemistry step".into()
+                } else {
+                    limited_by.clone()
+                },
             }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
@@ -123,7 +116,7 @@ impl<'p, const D: usize> Ready<'p, D> {
     #[must_use]
     pub fn first_look(&self) -> SeriesBlock {
         let mut observed = Observed::new(0);
-        Lens::new(self.plan, &self.scene, 0.0).look(&self.start.means(), true, &mut observed);
+        Lens::new(self.plan, &self.scene).look(&self.start.means(), 0.0, true, &mut observed);
         observed.series
     }
 
@@ -132,27 +125,13 @@ impl<'p, const D: usize> Ready<'p, D> {
     pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
         let mut tally = Tally { steps: self.steps(), fluid_seconds: self.fluid_seconds, ..Tally::default() };
         tally.supplied = vec![0.0; self.plan.reactor.species.len()];
-        let members: Vec<Realization> = realizations.iter().map(|&number| self.deal(number)).collect();
+        let members: Vec<Realization> =
+            realizations.iter().map(|&number| Realization::new(self.plan, &self.start, number)).collect();
         if self.fluid.is_some() {
             self.run_on_flow(members, tally, watch)
         } else {
             self.run_at_rest(members, tally, watch)
         }
-    }
-
-    /// A realization at t = 0.
-    fn deal(&self, number: u32) -> Realization {
-        let seed = self.plan.model.run.seed;
-        let mut amounts = self.start.amounts.clone();
-        let mut random = stream(seed, u64::from(number), Purpose::Deal);
-        for &(index, mean) in &self.start.poisson {
-            amounts[index as usize] += poisson(&mut random, mean) as f64;
-        }
-        let state = SplitState::new(&self.plan.reactor, amounts, seed, u64::from(number));
-        let total = (0..self.plan.reactor.species.len()).map(|s| state.total(s)).collect();
-        let mut one = Realization { number, state, total, observed: Observed::new(number) };
-        one.deal_held(self.plan, &self.start);
-        one
     }
 
     /// All realizations step by step on one flow.
@@ -170,34 +149,38 @@ impl<'p, const D: usize> Ready<'p, D> {
                     interrupted = true;
                     break 'time;
                 }
-                let time = interval.time(k);
+                let (time, half) = (interval.time(k), 0.5 * tick);
                 let chemistry = Instant::now();
-                let first = members
-                    .par_iter_mut()
-                    .try_for_each(|one| one.before(plan, &self.frozen, &reservoirs, time, 0.5 * tick));
+                let before =
+                    Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
+                advance(&mut members, &mut error, |one| one.before_motion(&before, time, half));
                 let fluid = Instant::now();
                 tally.chemistry_seconds += (fluid - chemistry).as_secs_f64();
-                let moved = first.and_then(|()| {
-                    self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps)
-                });
+                let moved = self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps);
                 let chemistry = Instant::now();
                 tally.fluid_seconds += (chemistry - fluid).as_secs_f64();
-                let second = moved.and_then(|()| freeze(plan, &self.scene, &self.start)).and_then(|frozen| {
-                    self.frozen = frozen;
-                    reservoirs = Reservoirs::new(plan, &self.scene);
-                    members.par_iter_mut().try_for_each(|one| {
-                        one.after(plan, &self.frozen, &reservoirs, &self.start, time + 0.5 * tick, 0.5 * tick)
-                    })
-                });
+                match moved.and_then(|()| freeze(plan, &self.scene, &self.start)) {
+                    Ok(frozen) => self.frozen = frozen,
+                    Err(found) => {
+                        // The flow carries them all.
+                        error = error.or(Some(found));
+                        break 'time;
+                    }
+                }
+                reservoirs = Reservoirs::new(plan, &self.scene);
+                let after =
+                    Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
+                advance(&mut members, &mut error, |one| one.after_motion(&after, time + half, half));
                 tally.chemistry_seconds += chemistry.elapsed().as_secs_f64();
-                if let Err(found) = second {
-                    error = Some(found);
+                if members.is_empty() {
                     break 'time;
                 }
                 watch.advance(1);
             }
-            let lens = Lens::new(plan, &self.scene, interval.end);
-            members.par_iter_mut().for_each(|one| lens.look(&one.state.amounts, true, &mut one.observed));
+            let lens = Lens::new(plan, &self.scene);
+            members
+                .par_iter_mut()
+                .for_each(|one| lens.look(&one.state.amounts, interval.end, true, &mut one.observed));
             seen += 1;
         }
         self.count(&members, &mut tally);
@@ -214,23 +197,21 @@ impl<'p, const D: usize> Ready<'p, D> {
     fn run_at_rest(self, mut members: Vec<Realization>, mut tally: Tally, watch: &Watch) -> Outcome {
         let plan = self.plan;
         watch.begin(members.len() as u64, "realizations");
-        let lenses: Vec<Lens<D>> =
-            plan.model.output.times.iter().map(|&time| Lens::new(plan, &self.scene, time)).collect();
+        let lens = Lens::new(plan, &self.scene);
         let reservoirs = Reservoirs::new(plan, &self.scene);
+        let around = Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
         let begun = Instant::now();
         let finished: Vec<Result<bool, RunError>> = members
             .par_iter_mut()
             .map(|one| {
-                for (interval, lens) in self.clock.iter().zip(&lenses) {
+                for interval in &self.clock {
                     for k in 0..interval.ticks {
                         if watch.stopped() {
                             return Ok(false);
                         }
-                        let (time, half) = (interval.time(k), 0.5 * interval.tick());
-                        one.before(plan, &self.frozen, &reservoirs, time, half)?;
-                        one.after(plan, &self.frozen, &reservoirs, &self.start, time + half, half)?;
+                        one.step_at_rest(&around, interval.time(k), interval.tick())?;
                     }
-                    lens.look(&one.state.amounts, false, &mut one.observed);
+                    lens.look(&one.state.amounts, interval.end, false, &mut one.observed);
                 }
                 watch.advance(1);
                 Ok(true)
@@ -286,86 +267,38 @@ impl<'p, const D: usize> Ready<'p, D> {
     }
 }
 
+/// Takes every realization a part of a step on; one that fails is left behind, and the first failure is told.
+fn advance(
+    members: &mut Vec<Realization>,
+    error: &mut Option<RunError>,
+    part: impl Fn(&mut Realization) -> Result<(), RunError> + Sync + Send,
+) {
+    let results: Vec<Result<(), RunError>> = members.par_iter_mut().map(part).collect();
+    let mut results = results.into_iter();
+    members.retain(|_| match results.next() {
+        Some(Err(found)) => {
+            error.get_or_insert(found);
+            false
+        }
+        _ => true,
+    });
+}
+
 /// The chemistry's view of a scene.
 fn freeze<const D: usize>(plan: &Plan, scene: &Scene<D>, start: &Start) -> Result<Frozen, RunError> {
     let held: &[bool] = if start.held.iter().any(|&held| held) { &start.held } else { &[] };
-    Frozen::build(&plan.reactor, &scene.links(), &scene.volumes, &scene.plan.home, &scene.current, held)
+    let links = |habitat| Cow::Owned(scene.links(habitat));
+    Frozen::build_per_habitat(&plan.reactor, links, &scene.volumes, &scene.plan.home, &scene.current, held)
 }
 
 /// Bounds of the chemistry step, from the amounts at the start with the sponges' targets put in.
 fn bounds<const D: usize>(plan: &Plan, scene: &Scene<D>, frozen: &Frozen, start: &Start) -> StepBounds {
     let count = plan.reactor.species.len();
     let mut amounts = start.means();
-    for (s, _, voxels, targets) in &Reservoirs::new(plan, scene).sponges {
-        for (&i, &target) in voxels.iter().zip(targets) {
-            amounts[i as usize * count + s] = target;
+    for sponge in &Reservoirs::new(plan, scene).sponges {
+        for (&i, &target) in sponge.voxels.iter().zip(&sponge.targets) {
+            amounts[i as usize * count + sponge.species] = target;
         }
     }
     step_bounds(&plan.reactor, frozen, &amounts, plan.model.chemistry.hops, plan.model.chemistry.change)
-}
-
-impl Reservoirs {
-    fn new<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Reservoirs {
-        let places = scene.places();
-        let mut sponges = Vec::new();
-        for sponge in &scene.plan.sponges {
-            for (s, amount) in &sponge.species {
-                let voxels: Vec<u32> = scene
-                    .members(sponge.group)
-                    .into_iter()
-                    .filter(|&i| plan.reactor.habitat[*s].holds(scene.plan.home[i as usize]))
-                    .collect();
-                let targets = sponge_targets(&places, &voxels, amount);
-                sponges.push((*s, sponge.rate, voxels, targets));
-            }
-        }
-        Reservoirs { sponges }
-    }
-
-    fn act(&self, plan: &Plan, frozen: &Frozen, state: &mut SplitState, dt: f64) {
-        for (s, rate, voxels, targets) in &self.sponges {
-            state.sponge((&plan.reactor, frozen), voxels, *s, (*rate, targets), dt);
-        }
-    }
-}
-
-impl Realization {
-    /// Draws held Poisson amounts anew.
-    fn deal_held(&mut self, plan: &Plan, start: &Start) {
-        for (s, voxels, means) in &start.held_poisson {
-            self.state.deal_held(&plan.reactor, voxels, *s, means);
-        }
-    }
-
-    /// The half of a step before the particles move.
-    fn before(
-        &mut self,
-        plan: &Plan,
-        frozen: &Frozen,
-        reservoirs: &Reservoirs,
-        time: f64,
-        half: f64,
-    ) -> Result<(), RunError> {
-        debug_assert_eq!(self.number, self.observed.series.realization);
-        reservoirs.act(plan, frozen, &mut self.state, half);
-        self.state.react(&plan.reactor, frozen, time, half)?;
-        self.state.diffuse(&plan.reactor, frozen, time, half)
-    }
-
-    /// The half of a step after the particles moved, in the opposite order.
-    fn after(
-        &mut self,
-        plan: &Plan,
-        frozen: &Frozen,
-        reservoirs: &Reservoirs,
-        start: &Start,
-        time: f64,
-        half: f64,
-    ) -> Result<(), RunError> {
-        self.state.diffuse(&plan.reactor, frozen, time, half)?;
-        self.state.react(&plan.reactor, frozen, time, half)?;
-        reservoirs.act(plan, frozen, &mut self.state, half);
-        self.deal_held(plan, start);
-        Ok(())
-    }
 }

@@ -1,7 +1,7 @@
 //! Particles as they are at an instant: what the chemistry and the observers see of geometry and flow.
 
+use crate::chemistry::GroupSet;
 use crate::chemistry::Links;
-use crate::chemistry::reactor::Reactor;
 use crate::error::RunError;
 use crate::fluid::{Flow, Snapshot, Voxels, exchange};
 use crate::geometry::shape::embed;
@@ -20,22 +20,12 @@ pub struct Scene<'p, const D: usize> {
     pub volumes: Vec<f64>,
     /// Zone a particle is in, or its home group.
     pub current: Vec<u8>,
-    /// Whether any diffusing species may be in a particle.
-    hosts: Vec<bool>,
 }
 
 impl<'p, const D: usize> Scene<'p, D> {
     /// The particles at the start, the flow built but not yet run.
-    pub fn new(plan: &'p ParticlePlan<D>, reactor: &Reactor) -> Result<Scene<'p, D>, RunError> {
+    pub fn new(plan: &'p ParticlePlan<D>) -> Result<Scene<'p, D>, RunError> {
         let flow = plan.flow.clone().map(Flow::new).transpose()?;
-        let hosts = plan
-            .home
-            .iter()
-            .map(|&home| {
-                (0..reactor.species.len())
-                    .any(|s| reactor.diffusivity[s] > 0.0 && reactor.habitat[s].holds(home))
-            })
-            .collect();
         let count = plan.particles.len();
         let mut scene = Scene {
             plan,
@@ -51,7 +41,6 @@ impl<'p, const D: usize> Scene<'p, D> {
             positions: Vec::new(),
             volumes: Vec::new(),
             current: Vec::new(),
-            hosts,
         };
         scene.look();
         Ok(scene)
@@ -88,15 +77,27 @@ impl<'p, const D: usize> Scene<'p, D> {
         Ok(())
     }
 
-    /// Conductances between the particles as they are now.
+    /// Conductances between the particles as they are now, for species that live in the groups of `habitat`.
     #[must_use]
-    pub fn links(&self) -> Links {
+    pub fn links(&self, habitat: GroupSet) -> Links {
+        let hosts: Vec<bool> = self.plan.home.iter().map(|&home| habitat.holds(home)).collect();
+        // What stays where it is and does not hold the species is in its way.
+        let distances: Vec<_> = self
+            .plan
+            .still
+            .iter()
+            .filter(|(group, _)| !habitat.holds(*group))
+            .map(|(_, shape)| move |x: &Vector<D>| shape.signed_distance(&embed(x)))
+            .collect();
+        let obstacles: Vec<&(dyn Fn(&Vector<D>) -> f64 + Sync)> =
+            distances.iter().map(|distance| distance as &(dyn Fn(&Vector<D>) -> f64 + Sync)).collect();
         let voxels = Voxels {
             positions: &self.snapshot.position,
             volumes: &self.snapshot.volume,
-            hosts: &self.hosts,
+            hosts: &hosts,
             domain: &self.plan.domain,
             barriers: &self.plan.barriers,
+            obstacles: &obstacles,
         };
         exchange::links(&voxels, &self.plan.kernel(), self.plan.thickness)
     }

@@ -5,6 +5,7 @@ use crate::chemistry::links::Links;
 use crate::chemistry::propensity::Scale;
 use crate::chemistry::reactor::{GroupSet, Reactor};
 use crate::error::RunError;
+use std::borrow::Cow;
 
 /// Reactions that happen in voxels of one pair of home and current group.
 #[derive(Clone, Debug)]
@@ -48,19 +49,31 @@ impl Frozen {
         current: &[u8],
         held: &[bool],
     ) -> Result<Frozen, RunError> {
+        Frozen::build_per_habitat(reactor, |_| Cow::Borrowed(links), volumes, home, current, held)
+    }
+
+    /// As [`Frozen::build`], with links that may differ from habitat to habitat: `links` makes those of the
+    /// species that live in a set of home groups.
+    ///
+    /// # Errors
+    /// As [`Frozen::build`].
+    pub fn build_per_habitat<'l>(
+        reactor: &Reactor,
+        links: impl Fn(GroupSet) -> Cow<'l, Links>,
+        volumes: &[f64],
+        home: &[u8],
+        current: &[u8],
+        held: &[bool],
+    ) -> Result<Frozen, RunError> {
         let (voxels, species) = (volumes.len(), reactor.species_count());
         let lengths = [
             ("home groups", home.len(), voxels),
             ("current groups", current.len(), voxels),
-            ("rows of links", links.voxels(), voxels),
             ("held flags", held.len(), if held.is_empty() { 0 } else { voxels * species }),
         ];
         for (quantity, is, should) in lengths {
             if is != should {
-                let remedy = format!("expected {should}, one for each of {voxels} voxels");
-                let quantity = format!("number of {quantity}");
-                let value = is as f64;
-                return Err(RunError::BlowUp { step: 0, time: 0.0, particle: 0, quantity, value, remedy });
+                return Err(wrong_length(quantity, is, should, voxels));
             }
         }
         let mut tables = Vec::new();
@@ -74,7 +87,11 @@ impl Frozen {
             let index = match habitats.iter().position(|&h| h == habitat) {
                 Some(index) => index,
                 None => {
-                    tables.push(HopTable::build(links, volumes, |i| habitat.holds(home[i]))?);
+                    let links = links(habitat);
+                    if links.voxels() != voxels {
+                        return Err(wrong_length("rows of links", links.voxels(), voxels, voxels));
+                    }
+                    tables.push(HopTable::build(&links, volumes, |i| habitat.holds(home[i]))?);
                     habitats.push(habitat);
                     habitats.len() - 1
                 }
@@ -116,6 +133,12 @@ impl Frozen {
     pub fn is_held(&self, slot: usize) -> bool {
         !self.held.is_empty() && self.held[slot]
     }
+}
+
+fn wrong_length(quantity: &str, is: usize, should: usize, voxels: usize) -> RunError {
+    let remedy = format!("expected {should}, one for each of {voxels} voxels");
+    let (quantity, value) = (format!("number of {quantity}"), is as f64);
+    RunError::BlowUp { step: 0, time: 0.0, particle: 0, quantity, value, remedy }
 }
 
 /// The distinct pairs of groups with their reactions, and the pair of each voxel.

@@ -1,0 +1,122 @@
+//! One realization on particles: the parts of a chemistry step, and what surrounds it.
+
+use super::scene::Scene;
+use crate::chemistry::sampling_numbers::poisson;
+use crate::chemistry::split::{Frozen, SplitState};
+use crate::error::RunError;
+use crate::plan::Plan;
+use crate::plan::start::{Start, sponge_targets};
+use crate::random::{Purpose, stream};
+use crate::sampling::Observed;
+
+/// What all realizations share on one geometry.
+pub(super) struct Surroundings<'a> {
+    pub plan: &'a Plan,
+    pub frozen: &'a Frozen,
+    pub reservoirs: &'a Reservoirs,
+    pub start: &'a Start,
+}
+
+/// What the sponges do on one geometry.
+pub(super) struct Reservoirs {
+    pub sponges: Vec<Sponge>,
+}
+
+/// A sponge for one species: rate (1/s), and the target (molecules) in each voxel.
+pub(super) struct Sponge {
+    pub species: usize,
+    pub rate: f64,
+    pub voxels: Vec<u32>,
+    pub targets: Vec<f64>,
+}
+
+impl Reservoirs {
+    /// Works out voxels and targets of a scene.
+    pub fn new<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Reservoirs {
+        let places = scene.places();
+        let mut sponges = Vec::new();
+        for sponge in &scene.plan.sponges {
+            for (species, amount) in &sponge.species {
+                let voxels: Vec<u32> = scene
+                    .members(sponge.group)
+                    .into_iter()
+                    .filter(|&i| plan.reactor.habitat[*species].holds(scene.plan.home[i as usize]))
+                    .collect();
+                let targets = sponge_targets(&places, &voxels, amount);
+                sponges.push(Sponge { species: *species, rate: sponge.rate, voxels, targets });
+            }
+        }
+        Reservoirs { sponges }
+    }
+}
+
+/// A realization under way.
+pub(super) struct Realization {
+    pub state: SplitState,
+    /// Molecules of each species at the start.
+    pub total: Vec<f64>,
+    pub observed: Observed,
+}
+
+impl Realization {
+    /// Realization `number` at t = 0.
+    pub fn new(plan: &Plan, start: &Start, number: u32) -> Realization {
+        let seed = plan.model.run.seed;
+        let mut amounts = start.amounts.clone();
+        let mut random = stream(seed, u64::from(number), Purpose::Deal);
+        for &(index, mean) in &start.poisson {
+            amounts[index as usize] += poisson(&mut random, mean) as f64;
+        }
+        let state = SplitState::new(&plan.reactor, amounts, seed, u64::from(number));
+        let total = (0..plan.reactor.species.len()).map(|s| state.total(s)).collect();
+        let mut one = Realization { state, total, observed: Observed::new(number) };
+        one.deal_held(plan, start);
+        one
+    }
+
+    /// The half of a step before the particles move: sponges, reactions, diffusion.
+    pub fn before_motion(&mut self, around: &Surroundings, time: f64, half: f64) -> Result<(), RunError> {
+        self.feed(around, half);
+        self.state.react(&around.plan.reactor, around.frozen, time, half)?;
+        self.state.diffuse(&around.plan.reactor, around.frozen, time, half)
+    }
+
+    /// The half of a step after the particles moved, in the opposite order.
+    pub fn after_motion(&mut self, around: &Surroundings, time: f64, half: f64) -> Result<(), RunError> {
+        self.state.diffuse(&around.plan.reactor, around.frozen, time, half)?;
+        self.state.react(&around.plan.reactor, around.frozen, time, half)?;
+        self.feed(around, half);
+        self.deal_held(around.plan, around.start);
+        Ok(())
+    }
+
+    /// A whole step on particles that do not move: the two halves of diffusion are one.
+    pub fn step_at_rest(&mut self, around: &Surroundings, time: f64, tick: f64) -> Result<(), RunError> {
+        self.feed(around, 0.5 * tick);
+        self.state.step(&around.plan.reactor, around.frozen, time, tick)?;
+        self.feed(around, 0.5 * tick);
+        self.deal_held(around.plan, around.start);
+        Ok(())
+    }
+
+    /// Sponges act for `dt` seconds.
+    fn feed(&mut self, around: &Surroundings, dt: f64) {
+        for sponge in &around.reservoirs.sponges {
+            let pull = (sponge.rate, sponge.targets.as_slice());
+            self.state.sponge(
+                (&around.plan.reactor, around.frozen),
+                &sponge.voxels,
+                sponge.species,
+                pull,
+                dt,
+            );
+        }
+    }
+
+    /// Draws held Poisson amounts anew.
+    fn deal_held(&mut self, plan: &Plan, start: &Start) {
+        for (s, voxels, means) in &start.held_poisson {
+            self.state.deal_held(&plan.reactor, voxels, *s, means);
+        }
+    }
+}
