@@ -58,7 +58,9 @@ impl Quantity {
         let start = characters.iter().take_while(|c| c.is_whitespace()).count();
         let length = number_length(&characters[start..]);
         if length == 0 {
-            let width = characters.len().saturating_sub(start).max(1);
+            // A text of blanks alone is pointed at as a whole.
+            let start = if start == characters.len() { 0 } else { start };
+            let width = (characters.len() - start).max(1);
             return Err(TextFault::new(
                 start,
                 width,

@@ -98,7 +98,7 @@ fn of_a_volume(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case
 #[case::spacing_that_does_not_fit("spacing: 1 um", "spacing: 0.3 um", "m.yaml:13:3", &["does not fit the box", "whole cells"])]
 #[case::two_take_the_rest("groups:\n", "groups:\n  rest: { shape: everything_else }\n", "m.yaml:14:3", &["`everything_else`", "only one"])]
 #[case::group_named_all("groups:\n  medium", "groups:\n  all", "m.yaml:13:3", &["`all` is taken"])]
-#[case::short_periodic_axis("[8 um, 8 um]", "[4 um, 8 um]", "m.yaml:6:3", &["periodic axis x", "three cut-offs"])]
+#[case::short_periodic_axis("[8 um, 8 um]", "[4 um, 8 um]", "m.yaml:6:3", &["periodic axis x", "3 cut-offs"])]
 #[case::box_inside_out("[8 um, 8 um]", "[-8 um, 8 um]", "m.yaml:9:8", &["no extent along x"])]
 #[case::too_many_particles("[8 um, 8 um]", "[8 m, 8 m]", "m.yaml:6:3", &["of memory", "spacing coarser"])]
 #[case::too_many_fluid_steps("until: 1 us, realizations: 2, seed: 1 }\noutput: { every: 1 us }", "until: 1e5 s }\noutput: { every: 1e4 s }", "m.yaml:16:6", &["fluid steps", "at most 1e9", "set by viscosity"])]

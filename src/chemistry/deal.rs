@@ -1,38 +1,31 @@
 //! Dealing out the molecules of an initial state.
 
-use crate::chemistry::sampling_numbers::poisson;
-use rand::Rng;
-
-/// Whole numbers that add up to `total`, in proportion to `weights`, by largest remainder; ties go to the
-/// lower index. All zero if no weight is positive.
+/// Whole numbers that add up to `total`, in proportion to `weights`: each is its quota rounded down or up, and
+/// any run of neighbouring entries together holds its quota to within one. All zero if no weight is positive.
+///
+/// The running sum of the quotas is rounded, so that what rounding leaves over is spread evenly along the entries.
+/// (By largest remainder it would all go to the first ones of a lattice of equal voxels.)
 #[must_use]
 pub fn apportion(total: u64, weights: &[f64]) -> Vec<u64> {
     let sum: f64 = weights.iter().filter(|w| **w > 0.0).sum();
     if !(sum > 0.0 && sum.is_finite()) {
         return vec![0; weights.len()];
     }
-    let quotas: Vec<f64> = weights.iter().map(|w| total as f64 * (w.max(0.0) / sum)).collect();
-    let mut shares: Vec<u64> = quotas.iter().map(|q| q.floor() as u64).collect();
-    let remainder = |i: usize| quotas[i] - quotas[i].floor();
-    let mut order: Vec<usize> = (0..weights.len()).filter(|&i| weights[i] > 0.0).collect();
-    order.sort_by(|&i, &j| remainder(j).total_cmp(&remainder(i)).then(i.cmp(&j)));
-    let dealt: u64 = shares.iter().sum();
-    // Rounding can bring the floors one above the total where a single quota is the whole.
-    let (missing, spare) = (total.saturating_sub(dealt), dealt.saturating_sub(total));
-    for &i in order.iter().cycle().take(missing as usize) {
-        shares[i] += 1;
-    }
-    for _ in 0..spare {
-        if let Some(largest) = (0..shares.len()).max_by_key(|&i| shares[i]) {
-            shares[largest] -= 1;
-        }
-    }
-    shares
-}
-
-/// Independent Poisson numbers with the given means.
-pub fn deal_poisson<R: Rng>(random: &mut R, means: &[f64]) -> Vec<u64> {
-    means.iter().map(|&mean| poisson(random, mean)).collect()
+    let last = weights.iter().rposition(|w| *w > 0.0);
+    let (mut running, mut dealt) = (0.0, 0);
+    weights
+        .iter()
+        .enumerate()
+        .map(|(i, w)| {
+            running += w.max(0.0);
+            // The last one takes up what rounding of the sums left.
+            let rounded = (total as f64 * (running / sum) + 0.5).floor() as u64;
+            let until = if Some(i) == last { total } else { rounded.clamp(dealt, total) };
+            let share = if *w > 0.0 { until - dealt } else { 0 };
+            dealt += share;
+            share
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -40,12 +33,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn largest_remainders() {
-        assert_eq!(apportion(10, &[1.0, 1.0, 1.0]), [4, 3, 3]);
+    fn shares_add_up_and_are_spread_evenly() {
+        assert_eq!(apportion(10, &[1.0, 1.0, 1.0]), [3, 4, 3]);
         assert_eq!(apportion(7, &[0.0, 2.0, 5.0]), [0, 2, 5]);
         assert_eq!(apportion(1, &[0.2, 0.5, 0.3]), [0, 1, 0]);
         assert_eq!(apportion(5, &[0.0, 0.0]), [0, 0]);
+        assert_eq!(apportion(3, &[0.0, 1.0, 0.0]), [0, 3, 0]);
         let weights: Vec<f64> = (1..1000).map(|k| 1.0 / f64::from(k)).collect();
         assert_eq!(apportion(123_456_789, &weights).iter().sum::<u64>(), 123_456_789);
+        // 60 molecules on 400 equal voxels: every quarter holds 15.
+        let even = apportion(60, &[1.0; 400]);
+        assert!(even.chunks(100).all(|part| part.iter().sum::<u64>() == 15), "{even:?}");
+    }
+
+    #[test]
+    fn each_share_is_its_quota_rounded_down_or_up() {
+        let weights: Vec<f64> = (0..500).map(|k| 1.0 + f64::from(k * 37 % 101)).collect();
+        let sum: f64 = weights.iter().sum();
+        for total in [1, 17, 5_000, 1_000_003] {
+            for (share, weight) in apportion(total, &weights).into_iter().zip(&weights) {
+                let quota = total as f64 * weight / sum;
+                assert!((share as f64 - quota).abs() < 1.0 + 1e-9, "{share} for {quota}");
+            }
+        }
     }
 }

@@ -143,7 +143,14 @@ fn held(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Fa
     let group = group(&mut fields, domain, faults);
     let species = amounts(&mut fields, domain, network, faults);
     let deal = match fields.optional("deal") {
-        None => Deal::Even,
+        // A concentration is held in the mean: a fixed count could not show a fraction of a molecule.
+        None if species
+            .iter()
+            .all(|(_, amount)| matches!(amount, Amount::Molecules(_) | Amount::PerParticle(_))) =>
+        {
+            Deal::Even
+        }
+        None => Deal::Poisson,
         Some(n) => n.choice(&[("count", Deal::Even), ("poisson", Deal::Poisson)], faults)?,
     };
     fields.finish(faults);

@@ -213,7 +213,18 @@ fn concentration(
     let compiled = Expression::parse(text, &node.place).map_err(|fault| vec![fault]).and_then(|expression| {
         expression.compile(&axes[..dimensions], &network.parameters, Dimension::CONCENTRATION)
     });
+    // What fits any dimension has no unit anywhere: 1e-3 mol/m^3 and 1000 molecules look alike.
+    let bare = Expression::parse(text, &node.place)
+        .is_ok_and(|e| e.compile(&axes[..dimensions], &network.parameters, Dimension::NONE).is_ok());
     match compiled {
+        Ok(_) if bare => {
+            faults.at(
+                &node.place,
+                "the expression has no unit; expected a concentration",
+                "multiply by one, e.g. 100 nM * exp(-x / (1 um))",
+            );
+            None
+        }
         Ok(program) => Some(Amount::Field(program)),
         Err(found) => {
             faults.list.extend(found);

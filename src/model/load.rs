@@ -2,6 +2,7 @@
 
 use super::node::{self, Node, Value};
 use super::reader::{Faults, Fields};
+use super::times::End;
 use super::{Chemistry, Method, Model, Places, domain, initial, names, output, reactions};
 use crate::chemistry::{Network, Representation};
 use crate::error::{Fault, ModelError, Place, Source};
@@ -34,7 +35,9 @@ pub fn document(path: &Path, overrides: &[String]) -> Result<Document, ModelErro
     let source = read_file(path, None)?;
     let mut root = node::parse(&source)?;
     let mut faults = Faults::default();
-    for assignment in overrides {
+    // What is set below `reactions` may belong to a file of its own, which is read later.
+    let names_file = root.field("reactions").is_some_and(|n| matches!(n.value, Value::Text(_)));
+    for assignment in overrides.iter().filter(|a| !(names_file && below_reactions(a).is_some())) {
         if let Err(fault) = node::set(&mut root, assignment) {
             faults.list.push(fault);
         }
@@ -62,6 +65,11 @@ pub fn document(path: &Path, overrides: &[String]) -> Result<Document, ModelErro
         }
         _ => Err(faults.into_error()),
     }
+}
+
+/// What an assignment sets below `reactions`, if it does.
+fn below_reactions(assignment: &str) -> Option<&str> {
+    assignment.trim_start().strip_prefix("reactions.")
 }
 
 fn hash(text: &ModelText) -> String {
@@ -163,7 +171,9 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
     let initial = initial::read(initial_node, &domain, &network, faults);
     // Nothing lies after an end that could not be read: comparisons with NaN find no fault.
     let until = run.as_ref().map_or(f64::NAN, |run| run.until);
-    let output = output::read_output(output_node, until, &domain, &network, faults);
+    let shortened = text.overrides.iter().any(|assignment| assignment.trim_start().starts_with("run.until="));
+    let end = End { time: until, shortened };
+    let output = output::read_output(output_node, end, &domain, &network, faults);
     let run = run?;
     let place = |node: Option<&Node>| node.map_or_else(|| root.place.clone(), |n| n.place.clone());
     Some(Model {
@@ -201,7 +211,14 @@ fn network(node: &Node, model_path: &Path, text: &mut ModelText, faults: &mut Fa
         Ok(source) => {
             text.files.push((source.path.clone(), source.text.clone()));
             match node::parse(&source) {
-                Ok(root) => reactions::read(&root, faults),
+                Ok(mut root) => {
+                    for assignment in text.overrides.iter().filter_map(|a| below_reactions(a)) {
+                        if let Err(fault) = node::set(&mut root, assignment) {
+                            faults.list.push(fault);
+                        }
+                    }
+                    reactions::read(&root, faults)
+                }
                 Err(error) => {
                     faults.list.extend(error.faults);
                     None

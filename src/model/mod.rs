@@ -10,9 +10,11 @@ pub mod load;
 pub mod names;
 pub mod node;
 pub mod output;
+pub mod probes;
 pub mod reactions;
 pub mod reader;
 pub mod shapes;
+mod times;
 
 use crate::chemistry::{Network, Representation};
 use crate::error::Place;
@@ -23,7 +25,8 @@ pub use domain::{Boundary, Domain, ParticleDomain};
 pub use fluid::FluidModel;
 pub use groups::{Group, Material};
 pub use initial::{Amount, Deal, Initial};
-pub use output::{Output, Probe, ProbeShape, Run};
+pub use output::{Output, Run};
+pub use probes::{Probe, ProbeShape};
 
 /// A checked model, everything in SI units, groups and species by index.
 #[derive(Clone, Debug)]
