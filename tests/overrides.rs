@@ -10,7 +10,8 @@ use gillesph::tables::read_series;
 #[test]
 fn a_rate_in_a_file_of_its_own() {
     let bench = Bench::new();
-    let set = ["--set", "reactions.parameters.k_make=2 nM/s", "--set", "run.until=1 s", "--realizations", "400"];
+    let set =
+        ["--set", "reactions.parameters.k_make=2 nM/s", "--set", "run.until=1 s", "--realizations", "400"];
     let dir = bench.run(&shipped("models/birth_death.yaml"), "out", &set);
     let last = read_series(&dir).unwrap();
     let found = last.across(last.times.len() - 1, 0);

@@ -213,9 +213,9 @@ fn concentration(
     let compiled = Expression::parse(text, &node.place).map_err(|fault| vec![fault]).and_then(|expression| {
         expression.compile(&axes[..dimensions], &network.parameters, Dimension::CONCENTRATION)
     });
-    // What fits any dimension has no unit anywhere: 1e-3 mol/m^3 and 1000 molecules look alike.
-    let bare = Expression::parse(text, &node.place)
-        .is_ok_and(|e| e.compile(&axes[..dimensions], &network.parameters, Dimension::NONE).is_ok());
+    // Bare numbers fit any dimension, so an expression of them alone would be taken for mol/m³.
+    let bare =
+        !names_a_unit(text) && network.parameters.iter().all(|(name, _)| !text.contains(name.as_str()));
     match compiled {
         Ok(_) if bare => {
             faults.at(
@@ -231,4 +231,12 @@ fn concentration(
             None
         }
     }
+}
+
+/// Whether some word of a text is a unit that counts moles, such as `uM` or `mol/m^3`.
+fn names_a_unit(text: &str) -> bool {
+    text.split(|c: char| !c.is_alphanumeric())
+        .filter(|word| word.starts_with(char::is_alphabetic))
+        .filter_map(|word| Quantity::parse(&format!("1 {word}")).ok())
+        .any(|quantity| quantity.dimension.0[4] != 0)
 }
