@@ -3,7 +3,7 @@
 //! Data flows one way; a module uses only what stands above it:
 //!
 //! ```text
-//! YAML -> checked Model -> compiled Plan -> stepping -> Observed -> statistics -> tables, figures, report
+//! YAML -> checked Model -> compiled Plan -> stepping -> samples -> statistics -> tables, figures, report
 //! ```
 //!
 //! | module | one line |
@@ -14,9 +14,10 @@
 //! | [`fluid`] | SPH-BVF: one file per equation, fused in one pass; conductances for the chemistry |
 //! | [`model`] | YAML -> [`model::Model`], all faults at once; strings and units end here |
 //! | [`plan`] | [`model::Model`] -> [`plan::Plan`]: reactor, particles, bodies, columns to observe |
-//! | [`simulation`], [`sampling`] | realizations on one flow, at rest, or event driven; what is seen when |
-//! | [`record`], [`statistics`] | what a run says of itself; pure functions on slices |
-//! | [`tables`], [`figures`], [`report`], [`vtk`] | Parquet, plots, the page, ParaView: read tables and record only |
+//! | [`record`], [`samples`], [`scene`] | what a run says of itself; what it has shown; particles at an instant |
+//! | [`sampling`], [`simulation`] | what is seen when; realizations on one flow, at rest, or event driven |
+//! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
+//! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
 //! | [`ensemble`], [`results`] | a block of realizations from plan to folder; joining blocks |
 //! | [`validation`], [`cli`] | published cases; the command line |
 //!
@@ -54,15 +55,18 @@ pub mod fluid;
 pub mod model;
 
 pub mod plan;
+pub mod record;
+pub mod samples;
+pub mod scene;
+
+pub mod sampling;
 pub mod simulation;
 
-pub mod record;
-pub mod sampling;
 pub mod statistics;
+pub mod tables;
 
 pub mod figures;
 pub mod report;
-pub mod tables;
 pub mod vtk;
 
 pub mod ensemble;

@@ -7,6 +7,7 @@ use crate::model::Domain;
 use crate::model::load::{self, Document};
 use crate::plan::Plan;
 use crate::plan::limits::estimate;
+use crate::quantity::readable::show;
 use crate::simulation::{NotReady, Ready};
 use std::fmt::Write;
 use std::path::Path;
@@ -42,7 +43,10 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     let mut line = |words: String| {
         let _ = writeln!(text, "{words}");
     };
-    line(format!("{}: {}", record.name, record.description));
+    match record.description.as_str() {
+        "" => line(record.name.clone()),
+        description => line(format!("{}: {description}", record.name)),
+    }
     line(format!("\nspecies ({})", record.species.len()));
     for species in &record.species {
         let place = if species.only_in.is_empty() {
@@ -51,8 +55,14 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
             format!(", only in {}", species.only_in.join(", "))
         };
         line(format!(
-            "  {:<12} {}, diffusivity {:.4e} m²/s{place}",
-            species.name, species.representation, species.diffusion
+            "  {:<12} {}, {}{place}",
+            species.name,
+            species.representation,
+            if species.diffusion > 0.0 {
+                format!("diffusivity {}", show(species.diffusion, "m^2/s"))
+            } else {
+                "immobile".into()
+            }
         ));
     }
     line(format!("\nreactions ({})", record.reactions.len()));
@@ -72,10 +82,10 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
             "a zone that particles pass through".to_string()
         } else {
             format!(
-                "{} {}, {:.4e} m³",
+                "{} {}, {}",
                 group.particles,
                 if record.domain.kind == "particles" { "particles" } else { "volume" },
-                group.volume
+                show(group.volume, "m^3")
             )
         };
         line(format!("  {:<12} {:<7} {size}  {}", group.name, group.material, group.shape));
@@ -83,16 +93,32 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     for condition in &record.conditions {
         line(format!("  {condition}"));
     }
+    if let Domain::Particles(domain) = &plan.model.domain {
+        let filled: f64 = record.domain.groups.iter().map(|group| group.volume).sum();
+        let side =
+            |k: usize| if k < domain.dimensions { domain.max[k] - domain.min[k] } else { domain.thickness };
+        let share = filled / (0..3).map(side).product::<f64>();
+        // Shapes are filled to the nearest particle, so a full box is full to a few per cent.
+        if share < 0.95 {
+            line(format!("  the groups fill {:.0} % of the box; the rest is empty", 100.0 * share));
+        }
+    }
     line("\nat the start".to_string());
-    for (group, species, amount) in ready.amounts(plan) {
-        line(format!("  {group:<12} {species:<12} {amount:.6} molecules"));
+    let amounts = ready.amounts(plan);
+    if amounts.is_empty() {
+        line("  no molecules".into());
+    }
+    for (group, species, amount) in amounts {
+        line(format!("  {group:<12} {species:<12} {amount} molecules"));
     }
     line(format!("\nmethod: {}", record.steps.method));
     for (what, step) in [("fluid", &record.steps.fluid), ("chemistry", &record.steps.chemistry)] {
         if let Some(step) = step {
             line(format!(
-                "  {what} step {:.4e} s, {} steps, limited by {}",
-                step.step, step.count, step.limited_by
+                "  {what} step {}, {} steps, limited by {}",
+                show(step.step, "s"),
+                step.count,
+                step.limited_by
             ));
         }
     }
@@ -101,9 +127,9 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     }
     let rough = estimate(&plan.model, plan.model.run.realizations);
     line(format!(
-        "\nrun: {} realizations until {} s, {} output times; about {:.0} MB of memory{}",
+        "\nrun: {} realizations until {}, {} output times; about {:.0} MB of memory{}",
         plan.model.run.realizations,
-        plan.model.run.until,
+        show(plan.model.run.until, "s"),
         plan.model.output.times.len(),
         (rough.bytes / 1e6).max(30.0),
         run_time(plan, &record.steps, rough.voxels, rough.neighbours)

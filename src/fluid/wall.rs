@@ -98,7 +98,7 @@ impl<const D: usize> Obstacles<'_, D> {
     }
 
     /// SPH-BVF Eqs (46)-(49): with the normal e out of the wall and the wall's velocity and acceleration v_w,
-    /// a_w as kernel means over the solid neighbours, the transport velocity becomes
+    /// a_w as means over the solid neighbours, weighted by V F (SPH-BVF takes W; F weighs the nearest more), the transport velocity becomes
     /// u' = 2 v_w + dt a_w - u + 2 max(0, (u - v_w)·e) e and the particle moves by dt (u' - u).
     /// The means are normalised by the solid sum; e points down the gradient of the fraction (Eq. (47) prints
     /// the other sign).

@@ -5,8 +5,8 @@ pub mod probe;
 
 use crate::chemistry::AVOGADRO;
 use crate::plan::Plan;
-use crate::simulation::scene::Scene;
-use crate::tables::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
+use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
+use crate::scene::Scene;
 use probe::ProbeLens;
 
 /// What one realization has shown so far.

@@ -8,8 +8,8 @@ use crate::geometry::shape::embed;
 use crate::model::{Domain, Material, Probe, ProbeShape};
 use crate::plan::Plan;
 use crate::plan::chemistry::receptor_pairs;
-use crate::simulation::scene::Scene;
-use crate::tables::ProbeRows;
+use crate::samples::ProbeRows;
+use crate::scene::Scene;
 use crate::vector::Vector;
 
 /// A probe on one geometry.

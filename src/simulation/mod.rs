@@ -4,7 +4,6 @@ pub mod clock;
 pub mod compartments;
 pub mod particles;
 mod realization;
-pub mod scene;
 pub mod watch;
 
 use crate::error::{ModelError, RunError};

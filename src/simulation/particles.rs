@@ -2,7 +2,6 @@
 
 use super::clock::{Interval, intervals};
 use super::realization::{Realization, Reservoirs, Surroundings};
-use super::scene::Scene;
 use super::{FlowTally, NotReady, Outcome, Tally, Watch};
 use crate::chemistry::split::{Frozen, StepBounds, step_bounds};
 use crate::error::RunError;
@@ -10,8 +9,9 @@ use crate::plan::limits::check_steps;
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
 use crate::record::{StepRecord, StepsRecord};
+use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Observed};
-use crate::tables::SeriesBlock;
+use crate::scene::Scene;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::time::Instant;

@@ -1,6 +1,5 @@
 //! One realization on particles: the parts of a chemistry step, and what surrounds it.
 
-use super::scene::Scene;
 use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::split::{Frozen, SplitState};
 use crate::error::RunError;
@@ -8,6 +7,7 @@ use crate::plan::Plan;
 use crate::plan::start::{Start, sponge_targets};
 use crate::random::{Purpose, stream};
 use crate::sampling::Observed;
+use crate::scene::Scene;
 
 /// What all realizations share on one geometry.
 pub(super) struct Surroundings<'a> {

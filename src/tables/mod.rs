@@ -10,10 +10,11 @@ mod record;
 mod series;
 mod summary;
 
-pub use particles::{ParticleFrame, list_particles, read_particles, write_particles};
-pub use probes::{ProbeRows, read_probes, write_probes};
+pub use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
+pub use particles::{list_particles, read_particles, write_particles};
+pub use probes::{read_probes, write_probes};
 pub use record::{read_record, write_record};
-pub use series::{Columns, SeriesBlock, SeriesTable, read_series, write_series};
+pub use series::{SeriesTable, read_series, write_series};
 pub use summary::{
     Bin, CovarianceRow, StatisticsRow, read_covariance, read_histograms, read_statistics, write_covariance,
     write_histograms, write_statistics,

@@ -3,54 +3,9 @@
 use super::frame::{self, Table};
 use crate::error::RunError;
 use crate::record::PARTICLE_COLUMNS;
+use crate::samples::ParticleFrame;
 use polars::prelude::*;
 use std::path::{Path, PathBuf};
-
-/// All particles of one realization at one time; the arrays are parallel.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ParticleFrame {
-    /// s.
-    pub time: f64,
-    /// Names of the groups.
-    pub groups: Vec<String>,
-    /// Each particle's group, index into `groups`.
-    pub group: Vec<u16>,
-    /// m; unused directions zero.
-    pub position: Vec<[f64; 3]>,
-    /// m/s.
-    pub velocity: Vec<[f64; 3]>,
-    /// kg/m³.
-    pub density: Vec<f64>,
-    /// Pa.
-    pub pressure: Vec<f64>,
-    /// Share of a solid in the particle's surroundings, 0 to 1.
-    pub volume_fraction: Vec<f64>,
-    /// m³; amount / (N_A volume) is the concentration.
-    pub volume: Vec<f64>,
-    /// Molecules, species by species.
-    pub amounts: Vec<Vec<f64>>,
-}
-
-impl ParticleFrame {
-    /// Number of particles.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.position.len()
-    }
-
-    /// Whether there is no particle.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.position.is_empty()
-    }
-
-    /// Name of a particle's group.
-    #[must_use]
-    pub fn group_name(&self, particle: usize) -> &str {
-        let index = self.group.get(particle).copied().unwrap_or(u16::MAX);
-        self.groups.get(usize::from(index)).map_or("", String::as_str)
-    }
-}
 
 /// Writes `tables/particles/realization=NNNN/part-NNNNN.parquet` below `dir`, a row group a frame.
 ///

@@ -2,24 +2,9 @@
 
 use super::frame::{self, Table};
 use crate::error::RunError;
+use crate::samples::ProbeRows;
 use polars::prelude::*;
 use std::path::Path;
-
-/// One quantity along one probe in one realization at one time; the arrays are parallel.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ProbeRows {
-    pub probe: String,
-    pub realization: u32,
-    /// s.
-    pub time: f64,
-    pub quantity: String,
-    /// Distance along the line in m, or angle in rad.
-    pub s: Vec<f64>,
-    /// m.
-    pub position: Vec<[f64; 3]>,
-    /// In the unit the record of the probe names.
-    pub value: Vec<f64>,
-}
 
 /// Writes `tables/probes.parquet` below `dir`, sorted by realization; within one the given order stands.
 ///

@@ -2,48 +2,12 @@
 
 use super::frame::{self, Table};
 use crate::error::RunError;
+use crate::samples::{Columns, SeriesBlock};
 use polars::prelude::*;
 use std::path::Path;
 
 /// Rows of a row group, roughly; bounds the memory of writing.
 const ROWS_PER_GROUP: usize = 1 << 20;
-
-/// What the columns of a [`SeriesBlock`] are: column c is species `species[c]` in group `groups[c]`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Columns {
-    pub groups: Vec<String>,
-    pub species: Vec<String>,
-}
-
-impl Columns {
-    /// Number of columns.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.groups.len().min(self.species.len())
-    }
-
-    /// Whether there is no column.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The column of a species in a group.
-    #[must_use]
-    pub fn find(&self, group: &str, species: &str) -> Option<usize> {
-        (0..self.len()).find(|&c| self.groups[c] == group && self.species[c] == species)
-    }
-}
-
-/// One realization, row-major times x columns.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SeriesBlock {
-    pub realization: u32,
-    /// Molecules.
-    pub amount: Vec<f64>,
-    /// mol/m³.
-    pub concentration: Vec<f64>,
-}
 
 /// The whole of `series.parquet`, blocks in order of realization.
 #[derive(Clone, Debug, Default, PartialEq)]

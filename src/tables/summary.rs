@@ -1,9 +1,10 @@
 //! Tables across realizations: statistics, covariances, histograms.
 
 use super::frame::{self, Table};
-use super::series::{Columns, SeriesBlock, across};
+use super::series::across;
 use crate::error::RunError;
 use crate::record::HistogramRecord;
+use crate::samples::{Columns, SeriesBlock};
 use crate::statistics::{self, Summary};
 use polars::prelude::*;
 use std::path::Path;
