@@ -90,12 +90,16 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     ensemble::conclude(&plan, &mut results, &outcome.tally, outcome.error.as_ref(), outcome.interrupted);
     let performance = &mut results.record.performance;
     performance.wall_seconds += begun.elapsed().as_secs_f64();
-    let usage = usage();
-    performance.cpu_seconds += usage.0;
-    performance.peak_rss_bytes = performance.peak_rss_bytes.max(usage.1);
+    let used = usage();
+    performance.cpu_seconds += used.0;
+    performance.peak_rss_bytes = performance.peak_rss_bytes.max(used.1);
     results.write(&dir)?;
     if !results.blocks.is_empty() && !results.times.is_empty() {
         let drawn = report::write(&dir);
+        // Drawing takes memory too.
+        let performance = &mut results.record.performance;
+        performance.peak_rss_bytes = performance.peak_rss_bytes.max(usage().1);
+        tables::write_record(&dir, &results.record)?;
         if drawn.is_err() {
             eprintln!(
                 "the tables are written; draw figures and report with `gillesph report {}`",
