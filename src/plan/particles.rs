@@ -29,6 +29,8 @@ pub struct ParticlePlan<const D: usize> {
     walls: Vec<bool>,
     /// Groups that stay where they are and have a shape of their own.
     pub still: Vec<(u8, Shape)>,
+    /// The other groups that own particles: those that flow or move, and what is left.
+    pub loose: Vec<u8>,
     /// Zones: group number and region.
     pub zones: Vec<(u8, Shape)>,
     pub barriers: Vec<Barrier>,
@@ -143,6 +145,13 @@ impl<const D: usize> ParticlePlan<D> {
                 .enumerate()
                 .filter(|(g, group)| stays(domain, *g, group))
                 .map(|(g, group)| (g as u8, group.shape.clone()))
+                .collect(),
+            loose: domain
+                .groups
+                .iter()
+                .enumerate()
+                .filter(|(g, group)| group.material != Material::Zone && !stays(domain, *g, group))
+                .map(|(g, _)| g as u8)
                 .collect(),
             zones: domain
                 .groups

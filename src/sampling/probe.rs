@@ -3,9 +3,8 @@
 use crate::chemistry::AVOGADRO;
 use crate::fluid::Interpolator;
 use crate::fluid::interpolate::Carriers;
-use crate::geometry::Shape;
 use crate::geometry::shape::embed;
-use crate::model::{Domain, Material, Probe, ProbeShape};
+use crate::model::{Probe, ProbeShape};
 use crate::plan::Plan;
 use crate::plan::chemistry::receptor_pairs;
 use crate::samples::ProbeRows;
@@ -145,14 +144,14 @@ fn line<'p, const D: usize>(
             .position(|&other| plan.reactor.habitat[other] == plan.reactor.habitat[s]);
         let weights = match same {
             Some(earlier) => species[earlier].clone(),
-            None => weights_of(&hosts(s)).without(|k| !can_be(plan, s, &embed(&places[k]))),
+            None => weights_of(&hosts(s)).without(|k| !can_be(plan, scene, s, &embed(&places[k]))),
         };
         species.push(weights);
     }
     let mut velocity = Vec::new();
     if probe.velocity && scene.flow.is_some() {
         let fluid: Vec<bool> = scene.plan.home.iter().map(|&g| !scene.plan.is_wall(g)).collect();
-        let weights = weights_of(&fluid).without(|k| in_wall(plan, &embed(&places[k])));
+        let weights = weights_of(&fluid).without(|k| in_wall(scene, &embed(&places[k])));
         for axis in 0..D {
             let name = format!("v{}", crate::model::names::axis_name(axis));
             let values =
@@ -173,29 +172,20 @@ fn line<'p, const D: usize>(
     }
 }
 
-/// Whether a species can be at a place: not inside the shape of a group that does not hold it.
-fn can_be(plan: &Plan, s: usize, x: &Vector<3>) -> bool {
-    let Domain::Particles(domain) = &plan.model.domain else { return true };
-    let owner = domain.groups.iter().position(|group| {
-        group.material != Material::Zone && group.shape != Shape::EverythingElse && group.shape.holds(x)
-    });
+/// Whether a species can be at a place: in a group that stays where it is and holds it, or, outside all of
+/// those, in one that takes what is left or flows.
+fn can_be<const D: usize>(plan: &Plan, scene: &Scene<D>, s: usize, x: &Vector<3>) -> bool {
+    let owner = scene.plan.still.iter().find(|(_, shape)| shape.holds(x));
+    let habitat = plan.reactor.habitat[s];
     match owner {
-        Some(g) => plan.reactor.habitat[s].holds(g as u8),
-        None => {
-            domain.groups.iter().enumerate().any(|(g, group)| {
-                group.shape == Shape::EverythingElse && plan.reactor.habitat[s].holds(g as u8)
-            })
-        }
+        Some((group, _)) => habitat.holds(*group),
+        None => scene.plan.loose.iter().any(|&group| habitat.holds(group)),
     }
 }
 
-fn in_wall(plan: &Plan, x: &Vector<3>) -> bool {
-    let Domain::Particles(domain) = &plan.model.domain else { return false };
-    domain.groups.iter().any(|group| {
-        matches!(group.material, Material::Wall { .. })
-            && group.shape != Shape::EverythingElse
-            && group.shape.holds(x)
-    })
+/// Whether a place is inside a wall that stays where it is.
+fn in_wall<const D: usize>(scene: &Scene<D>, x: &Vector<3>) -> bool {
+    scene.plan.still.iter().any(|(group, shape)| scene.plan.is_wall(*group) && shape.holds(x))
 }
 
 type Sectors = Vec<(Vec<(u32, f64)>, f64)>;

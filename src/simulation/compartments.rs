@@ -29,6 +29,9 @@ pub struct Ready<'p> {
     split: Option<(Frozen, Vec<Interval>, String)>,
 }
 
+/// Parts of an output interval between which a realization can be stopped.
+const SLICES: u32 = 8;
+
 /// What one realization adds to the tally.
 #[derive(Default)]
 struct Share {
@@ -178,10 +181,15 @@ impl<'p> Ready<'p> {
         let mut observed = Observed::new(number);
         let start = totals(self.plan, method.amounts());
         for &time in &self.plan.model.output.times {
-            if watch.stopped() {
-                return Ok(None);
+            // Slices only so that the wish to stop is heard; the course of events does not depend on them.
+            let begun = method.time();
+            for slice in 1..=SLICES {
+                if watch.stopped() {
+                    return Ok(None);
+                }
+                let part = begun + (time - begun) * f64::from(slice) / f64::from(SLICES);
+                method.advance(if slice == SLICES { time } else { part })?;
             }
-            method.advance(time)?;
             self.sums.look(method.amounts(), &mut observed.series);
         }
         let end = totals(self.plan, method.amounts());
