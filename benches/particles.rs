@@ -9,6 +9,7 @@ use gillesph::error::{Place, Source};
 use gillesph::fluid::domain::Domain;
 use gillesph::fluid::exchange::{Voxels, links};
 use gillesph::fluid::kernel::{Kernel, KernelKind};
+use gillesph::random::{Purpose, stream};
 use gillesph::vector::Vector;
 use std::sync::Arc;
 
@@ -101,6 +102,20 @@ fn hops(bencher: Bencher, molecules: u32) {
         for _ in 0..STEPS {
             state.diffuse(&reactor, &frozen, 0.0, dt).expect("counts stay sound");
         }
+    });
+}
+
+/// Molecules per second of one lot that leaves a voxel of 32 neighbours, on either side of the choice between
+/// one draw per molecule and a chain of binomials; the two should be nearly equal at 1792.
+#[divan::bench(args = [256, 1792, 1793, 16384], sample_count = 30, sample_size = 20)]
+fn scatter(bencher: Bencher, molecules: u64) {
+    let (reactor, links) = (reactor(0), cube(5));
+    let frozen = freeze(&reactor, &links);
+    let table = frozen.table(0).expect("A diffuses");
+    let mut next = vec![0; links.voxels()];
+    let mut random = stream(1, 0, Purpose::Diffusion);
+    bencher.counter(ItemsCount::new(molecules * 125)).bench_local(|| {
+        (0..125).for_each(|i| table.scatter(i, molecules, &mut next, &mut random));
     });
 }
 

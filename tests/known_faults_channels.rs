@@ -45,7 +45,9 @@ fn equal_channels_fire_equally(#[values(0.0, 1.0, 10.0)] diffusivity: f64, #[val
     }
     let c = 2.0 / (9.0 * voxels);
     let shape = ((square / voxels).cbrt() - 1.0 + c) / c.sqrt();
-    println!("D {diffusivity}, step {step}: {made} of {MOLECULES}, {z:.2} errors; {voxels} voxels {shape:.2}");
+    println!(
+        "D {diffusivity}, step {step}: {made} of {MOLECULES}, {z:.2} errors; {voxels} voxels {shape:.2}"
+    );
     assert!(z.abs() < 4.5, "{made} of {MOLECULES}");
     assert!((voxels > 1.0) == (diffusivity > 0.0) && shape < 3.72, "{voxels}: {shape}");
 }

@@ -24,7 +24,9 @@ impl Vortices {
         let mut flow = Vortices {
             domain: Domain { min: Vector::zeros(), max: Vector::from_element(4.0), periodic: [true; 2] },
             kernel: Kernel::new(KernelKind::Lucy, 1.9),
-            positions: (0..16).map(|i| Vector::<2>::new((i % 4) as f64 + 0.5, (i / 4) as f64 + 0.5)).collect(),
+            positions: (0..16)
+                .map(|i| Vector::<2>::new((i % 4) as f64 + 0.5, (i / 4) as f64 + 0.5))
+                .collect(),
             volumes: Vec::new(),
             time: 0.0,
         };
@@ -71,7 +73,8 @@ fn molecules_are_conserved_over_a_million_steps() {
         &[(&[(0, 1), (1, 1)], &[(2, 1)], 0.2), (&[(2, 1)], &[(0, 1), (1, 1)], 0.5)],
     );
     let mut flow = Vortices::new();
-    let start: Vec<f64> = (0..16).flat_map(|i| [f64::from(i % 3), f64::from(5 * u8::from(i == 3)), 1.0]).collect();
+    let start: Vec<f64> =
+        (0..16).flat_map(|i| [f64::from(i % 3), f64::from(5 * u8::from(i == 3)), 1.0]).collect();
     let mut state = SplitState::new(&reactor, start, 141, 0);
     let kept = |state: &SplitState| [state.total(0) + state.total(2), state.total(1) + state.total(2)];
     let before = kept(&state);
@@ -178,7 +181,9 @@ fn mean_of_molecules_is_second_order() {
         let errors = [4, 8, 16].map(|steps| {
             let (sampled, mean) = (left(true, steps), left(false, steps));
             let z = (sampled - mean) / (mean * (1.0 - mean) / MOLECULES).sqrt();
-            println!("moving {moving}, {steps} steps: {sampled:.5} left, {z:.2} standard errors, exact {exact:.5}");
+            println!(
+                "moving {moving}, {steps} steps: {sampled:.5} left, {z:.2} standard errors, exact {exact:.5}"
+            );
             assert!(z.abs() < 4.5, "moving {moving}, {steps} steps: {z:.2} standard errors");
             sampled - exact
         });

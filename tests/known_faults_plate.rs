@@ -26,9 +26,7 @@ const SIDE: usize = 65;
 const REALIZATIONS: u64 = 600;
 
 #[rstest]
-fn fano_factor_with_held_edges(
-    #[values((0.1, 60), (1.0, 20), (5.0, 8))] (hops, steps): (f64, u32),
-) {
+fn fano_factor_with_held_edges(#[values((0.1, 60), (1.0, 20), (5.0, 8))] (hops, steps): (f64, u32)) {
     let n = SIDE * SIDE;
     let positions: Vec<Vector<2>> =
         (0..n).map(|i| Vector::<2>::new((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5)).collect();
@@ -44,10 +42,8 @@ fn fano_factor_with_held_edges(
     };
     let mut links = links(&voxels, &Kernel::new(KernelKind::Lucy, 3.0), 1.0);
     links.conductance.iter_mut().for_each(|g| *g *= UNIT);
-    let held: Vec<bool> = positions
-        .iter()
-        .map(|x| x.iter().any(|x| *x < 1.0 || *x > SIDE as f64 - 1.0))
-        .collect();
+    let held: Vec<bool> =
+        positions.iter().map(|x| x.iter().any(|x| *x < 1.0 || *x > SIDE as f64 - 1.0)).collect();
     let edge: Vec<u32> = (0..n as u32).filter(|&i| held[i as usize]).collect();
     let edge_means: Vec<f64> =
         edge.iter().map(|&i| if positions[i as usize][0] < 1.0 { 20.0 } else { 5.0 }).collect();

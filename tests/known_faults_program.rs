@@ -134,9 +134,8 @@ fn molecules_start_where_asked(#[case] dimensions: usize, #[case] at: &str, #[ca
     let frames = last_frames(&dir);
     assert_eq!(frames.len(), 2);
     for frame in frames {
-        let far = |i: usize| -> f64 {
-            (0..dimensions).map(|k| (frame.position[i][k] - place[k]).powi(2)).sum()
-        };
+        let far =
+            |i: usize| -> f64 { (0..dimensions).map(|k| (frame.position[i][k] - place[k]).powi(2)).sum() };
         for (species, count, from) in [(0, 57.0, 0.0), (1, 19.0, 4e-6)] {
             let nearest = (0..frame.len())
                 .filter(|&i| frame.position[i][0] > from)
