@@ -43,7 +43,7 @@ fn cube(n: usize) -> Links {
     links
 }
 
-/// One species of diffusivity 1 m²/s; `reactions` of rate 1e-9 /s that it and a partner undergo.
+/// Species of diffusivity 1 m²/s: one without `reactions`, three with them, at constants of 1e-12.
 fn reactor(reactions: usize) -> Reactor {
     let source = Arc::new(Source { path: String::from("bench"), text: String::new() });
     let place = Place { source, line: 1, column: 1, width: 1 };
@@ -55,17 +55,17 @@ fn reactor(reactions: usize) -> Reactor {
         place: place.clone(),
     };
     // Unimolecular and bimolecular ones in turn.
-    let sides: [(Vec<(usize, u32)>, Vec<(usize, u32)>); 4] = [
-        (vec![(0, 1), (1, 1)], vec![(2, 1)]),
-        (vec![(2, 1)], vec![(0, 1), (1, 1)]),
-        (vec![(0, 1)], vec![]),
-        (vec![(1, 2)], vec![(0, 1)]),
+    let sides: [[Vec<(usize, u32)>; 2]; 4] = [
+        [vec![(0, 1), (1, 1)], vec![(2, 1)]],
+        [vec![(2, 1)], vec![(0, 1), (1, 1)]],
+        [vec![(0, 1)], vec![]],
+        [vec![(1, 2)], vec![(0, 1)]],
     ];
     let reaction = |r: usize| Reaction {
         name: format!("reaction {r}"),
         equation: String::new(),
-        reactants: sides[r % 4].0.clone(),
-        products: sides[r % 4].1.clone(),
+        reactants: sides[r % 4][0].clone(),
+        products: sides[r % 4][1].clone(),
         rate: Rate::MassAction(1e-12),
         only_in: None,
         place: place.clone(),
