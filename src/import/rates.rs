@@ -107,7 +107,7 @@ fn check_extent(reaction: &Reaction, index: usize, extent: f64, system: &System,
     let factor = conversion.map_or(Some(1.0), |id| system.constant(id)).unwrap_or(f64::NAN);
     let ratio = variable.molecules * factor / extent;
     // Units are products of a few rounded numbers.
-    if !((ratio - 1.0).abs() < 1e-9) {
+    if ratio.is_nan() || (ratio - 1.0).abs() > 1e-9 {
         let reason = format!(
             "reaction \"{}\": one unit of its rate is {ratio:e} units of \"{}\", not one",
             reaction.id, variable.id
