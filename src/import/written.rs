@@ -54,6 +54,12 @@ impl Network {
             {
                 name.push('_');
             }
+            let (Rate::MassAction { factor, .. } | Rate::Law { factor, .. }) = &direction.rate;
+            if !factor.is_finite() {
+                let reason = format!("a constant factor of the law of \"{name}\" is not finite");
+                log.fault(direction.spot, reason, "look for a division by zero");
+                continue;
+            }
             let equation = equation(&direction.left, &direction.right, system);
             let found = match &direction.rate {
                 Rate::MassAction { factor, constant } => {
