@@ -15,7 +15,7 @@ mod react;
 mod snapshot;
 
 pub use bounds::{StepBounds, step_bounds};
-pub use estimate::{SplittingError, splitting_error};
+pub use estimate::{Feed, SplittingError, splitting_error};
 pub use frozen::Frozen;
 pub use modes::Modes;
 pub use snapshot::Snapshot;

@@ -4,7 +4,7 @@ use super::clock::{Interval, intervals};
 use super::freeze::freeze;
 use super::realization::{Realization, Reservoirs, Surroundings};
 use super::{FlowTally, NotReady, Outcome, Tally, Watch, hybrids, paths};
-use crate::chemistry::split::{Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
+use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
 use crate::error::RunError;
 use crate::plan::limits::check_steps;
 use crate::plan::start::{Start, check_amounts, start};
@@ -335,7 +335,7 @@ fn estimate<const D: usize>(
             }
         }
     };
-    let feed: Option<&dyn Fn(&mut [f64], f64)> = if sponges.is_empty() { None } else { Some(&feed) };
+    let feed: Option<&Feed> = if sponges.is_empty() { None } else { Some(&feed) };
     let error = splitting_error(&plan.reactor, frozen, &start.means(), (longest, ticks), feed)?;
     Some((error, error.steps as f64 * longest))
 }

@@ -20,6 +20,9 @@ pub struct SplittingError {
     pub steps: u64,
 }
 
+/// What acts on the amounts besides reactions and diffusion, for a time in s.
+pub type Feed<'a> = dyn Fn(&mut [f64], f64) + 'a;
+
 /// Elementary operations spent on it at most; some tenths of a second.
 const BUDGET: f64 = 1e8;
 
@@ -35,7 +38,7 @@ pub fn splitting_error(
     frozen: &Frozen,
     amounts: &[f64],
     (step, steps): (f64, u64),
-    feed: Option<&dyn Fn(&mut [f64], f64)>,
+    feed: Option<&Feed>,
 ) -> Option<SplittingError> {
     let diffusing: Vec<usize> = (0..reactor.species_count()).filter(|&s| frozen.table(s).is_some()).collect();
     let reacting: usize = (0..frozen.voxels())
