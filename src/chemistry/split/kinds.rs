@@ -20,6 +20,8 @@ pub(super) struct Lists {
     pub integrated: Vec<u32>,
     /// Whether one sort changes what the other reads.
     pub coupled: bool,
+    /// Whether events are all that happens: nothing is integrated, no real amount is taken from.
+    pub plain: bool,
     /// Sampled reactions that take whole molecules out of a continuous amount.
     pub taking: Vec<u32>,
 }
@@ -40,8 +42,9 @@ impl Lists {
             let mut changes = propensities.changes(r as usize).iter();
             changes.any(|&(s, change)| change < 0.0 && !propensities.whole(s as usize))
         };
-        let taking = sampled.iter().copied().filter(takes).collect();
-        Lists { sampled, integrated, coupled, taking }
+        let taking: Vec<u32> = sampled.iter().copied().filter(takes).collect();
+        let plain = integrated.is_empty() && taking.is_empty();
+        Lists { sampled, integrated, coupled, plain, taking }
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::frozen::Frozen;
 use super::{Counters, SplitState};
+use crate::chemistry::propensity::{Propensities, Scale};
 use crate::chemistry::rate_equations::{Books, RateEquations, Voxel};
 use crate::chemistry::reactor::Reactor;
 use crate::chemistry::sampling_numbers::exponential;
@@ -30,6 +31,15 @@ impl SplitState {
                 continue;
             }
             let row = i * species..(i + 1) * species;
+            if lists.plain && frozen.weights.is_empty() {
+                let propensities = reactor.propensities_in(mode);
+                let idle =
+                    hazard(propensities, &lists.sampled, &self.amounts[row.clone()], frozen.scales[i]) * dt;
+                if idle < self.clocks[i] {
+                    self.clocks[i] -= idle;
+                    continue;
+                }
+            }
             let held: &[bool] = if frozen.held.is_empty() { &[] } else { &frozen.held[row.clone()] };
             let voxel = Voxel {
                 index: i,
@@ -71,6 +81,18 @@ impl SplitState {
         }
         Ok(())
     }
+}
+
+/// Sum of the propensities of reactions that nothing but events changes; not a number if one is negative.
+#[inline]
+fn hazard(propensities: &Propensities, sampled: &[u32], amounts: &[f64], scale: Scale) -> f64 {
+    let (mut total, mut least) = (0.0, 0.0_f64);
+    for &r in sampled {
+        let a = propensities.propensity_at(r as usize, amounts, scale);
+        total += a;
+        least = if a < least { a } else { least };
+    }
+    if least < 0.0 { f64::NAN } else { total }
 }
 
 /// One voxel and what its events touch.
