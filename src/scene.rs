@@ -99,7 +99,7 @@ impl<'p, const D: usize> Scene<'p, D> {
             barriers: &self.plan.barriers,
             obstacles: &obstacles,
         };
-        exchange::links(&voxels, &self.plan.kernel(), self.plan.thickness)
+        exchange::links(&voxels, &self.plan.kernel(), self.plan.weights, self.plan.thickness)
     }
 
     /// The voxels as the start of the chemistry sees them.

@@ -6,11 +6,13 @@
 
 mod bounds;
 mod diffuse;
+mod euler;
 mod frozen;
 mod react;
 mod snapshot;
 
 pub use bounds::{StepBounds, step_bounds};
+pub use euler::longest_euler_step;
 pub use frozen::Frozen;
 pub use snapshot::Snapshot;
 

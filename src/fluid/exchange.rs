@@ -4,6 +4,7 @@ use crate::chemistry::Links;
 use crate::fluid::domain::Domain;
 use crate::fluid::kernel::Kernel;
 use crate::fluid::neighbours::Grid;
+use crate::fluid::weights::Weights;
 use crate::vector::Vector;
 
 /// The particles of a cloud as voxels.
@@ -38,9 +39,14 @@ pub struct Barrier {
 /// (to the bit) and positive, which detailed balance and whole molecules need. Sides of the box that are not
 /// periodic reflect: each neighbour also counts by its mirror images, which keeps conductances right up to the
 /// side. Rows are sorted by index; no link where a side is no host or a barrier stands between. A periodic axis
-/// must be two cut-offs long.
+/// must be two cut-offs long. Other [`Weights`] than the normalised ones change F or leave the division out.
 #[must_use]
-pub fn links<const D: usize>(voxels: &Voxels<D>, kernel: &Kernel<D>, thickness: f64) -> Links {
+pub fn links<const D: usize>(
+    voxels: &Voxels<D>,
+    kernel: &Kernel<D>,
+    weights: Weights,
+    thickness: f64,
+) -> Links {
     let Voxels { volumes, hosts, .. } = *voxels;
     let n = voxels.positions.len().min(volumes.len()).min(hosts.len());
     let (places, original) = voxels.with_images(n, kernel.cutoff());
@@ -53,7 +59,7 @@ pub fn links<const D: usize>(voxels: &Voxels<D>, kernel: &Kernel<D>, thickness: 
         grid.for_each_near(&places[i], &places, |image, x, r2| {
             let j = original[image] as usize;
             if image != i && hosts[j] && !voxels.separated(&places[i], &x) {
-                let f = kernel.f(r2.sqrt());
+                let f = kernel.f(r2.sqrt()) * weights.factor(r2, kernel.cutoff());
                 if f > 0.0 && !voxels.obstructed(&places[i], &x, kernel.cutoff()) {
                     alpha[i] += volumes[j] * f * r2 / D as f64;
                     if j > i {
@@ -73,7 +79,7 @@ pub fn links<const D: usize>(voxels: &Voxels<D>, kernel: &Kernel<D>, thickness: 
     });
     for (i, j, f) in &mut pairs {
         let (i, j) = (*i as usize, *j as usize);
-        *f *= 2.0 * (volumes[i] * volumes[j]) * (2.0 / (alpha[i] + alpha[j])) * thickness;
+        *f *= 2.0 * (volumes[i] * volumes[j]) * weights.over_bias(alpha[i], alpha[j]) * thickness;
     }
     both_ways(n, &pairs)
 }
@@ -187,7 +193,7 @@ mod tests {
             barriers: &[],
             obstacles: &[],
         };
-        let links = links(&voxels, &Kernel::new(KernelKind::Lucy, ratio), 1.0);
+        let links = links(&voxels, &Kernel::new(KernelKind::Lucy, ratio), Weights::Normalised, 1.0);
         symmetric(&links);
         let k = std::f64::consts::TAU / n as f64;
         let wave: Vec<f64> = positions.iter().map(|p| (k * p[0]).sin()).collect();
@@ -241,7 +247,7 @@ mod tests {
             barriers: &barriers,
             obstacles: &[],
         };
-        let links = links(&voxels, &Kernel::new(KernelKind::Lucy, 2.4), 1e-6);
+        let links = links(&voxels, &Kernel::new(KernelKind::Lucy, 2.4), Weights::Normalised, 1e-6);
         symmetric(&links);
         for i in 0..links.voxels() {
             assert_eq!(hosts[i], links.row(i).len() > 0);

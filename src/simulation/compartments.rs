@@ -1,14 +1,14 @@
 //! Realizations in one volume or on a graph of volumes: event driven, or split where species are continuous.
 
 use super::clock::{Interval, intervals};
-use super::{NotReady, Outcome, Tally, Watch};
+use super::{FORWARD_EULER, NotReady, Outcome, Tally, Watch, euler_caveat};
 use crate::chemistry::sampling_numbers::poisson;
-use crate::chemistry::split::{Frozen, SplitState, step_bounds};
+use crate::chemistry::split::{Frozen, SplitState, longest_euler_step, step_bounds};
 use crate::chemistry::ssa::next_subvolume::Graph;
 use crate::chemistry::ssa::{Direct, EventMethod, NextReaction, NextSubvolume};
 use crate::error::RunError;
-use crate::model::Method;
-use crate::plan::limits::check_steps;
+use crate::model::{Integrator, Method};
+use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, Voxels, check_amounts, start};
 use crate::plan::{Compartments, Plan};
 use crate::random::{Purpose, stream};
@@ -73,6 +73,7 @@ impl<'p> Ready<'p> {
             Method::Direct => "direct method (Gillespie 1976), exact",
             Method::NextReaction => "next reaction method (Gibson & Bruck 2000), exact",
             Method::NextSubvolume => "next subvolume method (Elf & Ehrenberg 2004), exact",
+            Method::Split if self.plan.model.chemistry.integrator == Integrator::Euler => FORWARD_EULER,
             Method::Split => "diffusion and reaction in turn, Strang splitting",
         };
         let chemistry = self.split.as_ref().map(|(_, clock, limited_by)| StepRecord {
@@ -81,6 +82,9 @@ impl<'p> Ready<'p> {
             limited_by: limited_by.clone(),
         });
         let approximations = match &chemistry {
+            Some(step) if self.plan.model.chemistry.integrator == Integrator::Euler => {
+                vec![euler_caveat(step.step)]
+            }
             Some(step) if self.arena.volumes.len() > 1 => {
                 vec![format!(
                     "splitting of diffusion and reaction: second order in the step of {:.3e} s",
@@ -216,7 +220,11 @@ impl<'p> Ready<'p> {
                 if watch.stopped() {
                     return Ok(None);
                 }
-                state.step(&self.plan.reactor, frozen, interval.time(k), interval.tick())?;
+                let (reactor, time, tick) = (&self.plan.reactor, interval.time(k), interval.tick());
+                match self.plan.model.chemistry.integrator {
+                    Integrator::Exponential => state.step(reactor, frozen, time, tick)?,
+                    Integrator::Euler => state.euler(reactor, frozen, time, tick)?,
+                }
             }
             self.sums.look(&state.amounts, &mut observed.series);
         }
@@ -248,6 +256,7 @@ fn split(
 ) -> Result<(Frozen, Vec<Interval>, String), NotReady> {
     let frozen = Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
     let chemistry = &plan.model.chemistry;
+    check_euler(&plan.model, longest_euler_step(&plan.reactor, &frozen))?;
     let bounds = step_bounds(&plan.reactor, &frozen, &start.means(), chemistry.hops, chemistry.change);
     let until = plan.model.run.until;
     let (step, limited_by) = match chemistry.step {

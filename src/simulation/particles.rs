@@ -2,12 +2,14 @@
 
 use super::clock::{Interval, intervals};
 use super::realization::{Realization, Reservoirs, Surroundings};
-use super::{FlowTally, NotReady, Outcome, Tally, Watch};
-use crate::chemistry::split::{Frozen, StepBounds, step_bounds};
+use super::{FORWARD_EULER, FlowTally, NotReady, Outcome, Tally, Watch, euler_caveat};
+use crate::chemistry::split::{Frozen, StepBounds, longest_euler_step, step_bounds};
 use crate::error::RunError;
-use crate::plan::limits::check_steps;
+use crate::model::Integrator;
+use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
+use crate::quantity::readable::show;
 use crate::record::{StepRecord, StepsRecord};
 use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Observed};
@@ -55,6 +57,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         check_amounts(plan, &scene.places())?;
         let start = start(plan, &scene.places());
         let frozen = freeze(plan, &scene, &start)?;
+        check_euler(&plan.model, longest_euler_step(&plan.reactor, &frozen))?;
         let bounds = bounds(plan, &scene, &frozen, &start);
         let automatic = (bounds.step(), bounds.limited_by().to_string());
         let (chemistry_step, chemistry_limit) = match plan.model.chemistry.step {
@@ -85,12 +88,22 @@ impl<'p, const D: usize> Ready<'p, D> {
             .map(|i| i.tick() / i.fluid_steps as f64)
             .fold(0.0, f64::max);
         let discrete = self.plan.reactor.discrete.iter().filter(|&&d| d).count();
+        let euler = self.plan.model.chemistry.integrator == Integrator::Euler;
         let method = match discrete {
+            0 if euler => FORWARD_EULER,
             0 => "rate equations, diffusion by the exact exponential, Strang splitting",
             n if n == self.plan.reactor.discrete.len() => {
                 "exact sampling of diffusion and reaction in turn, Strang splitting"
             }
             _ => "discrete and continuous species side by side, Strang splitting",
+        };
+        let in_time = if euler {
+            euler_caveat(longest)
+        } else {
+            format!(
+                "splitting of motion, diffusion and reaction: second order in the chemistry step of {}",
+                show(longest, "s")
+            )
         };
         StepsRecord {
             fluid: self.fluid.as_ref().map(|(_, limited_by)| StepRecord {
@@ -104,10 +117,9 @@ impl<'p, const D: usize> Ready<'p, D> {
             }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
-            approximations: vec![format!(
-                "splitting of motion, diffusion and reaction: second order in the chemistry step of {}",
-                crate::quantity::readable::show(longest, "s")
-            )],
+            approximations: std::iter::once(in_time)
+                .chain(self.scene.plan.weights.caveat().map(String::from))
+                .collect(),
             shared_flow: self.fluid.is_some(),
         }
     }
