@@ -270,11 +270,7 @@ fn weights(node: &Node, faults: &mut Faults) -> Option<Weights> {
         return None;
     }
     node.choice(
-        &[
-            ("normalised", Weights::Normalised),
-            ("plain", Weights::Plain),
-            ("softened", Weights::Softened),
-        ],
+        &[("normalised", Weights::Normalised), ("plain", Weights::Plain), ("softened", Weights::Softened)],
         faults,
     )
 }

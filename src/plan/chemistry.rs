@@ -83,7 +83,10 @@ pub fn check_integrator(model: &Model, network: &Network, discrete: &[bool], fau
         |reason: String, remedy: &str| faults.push(Fault::at(&model.places.chemistry, reason, remedy));
     if let Some(s) = discrete.iter().position(|&d| d) {
         refuse(
-            format!("integrator: euler is for continuous species, and `{}` is discrete", network.species[s].name),
+            format!(
+                "integrator: euler is for continuous species, and `{}` is discrete",
+                network.species[s].name
+            ),
             "set representation: continuous, or remove `integrator`: whole molecules are sampled exactly",
         );
     }

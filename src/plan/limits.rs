@@ -110,13 +110,16 @@ fn bytes(n: f64) -> String {
     }
 }
 
-/// Refuses a step of forward Euler, if that is the integrator, with which diffusion alone would go below zero.
+/// Refuses a step of forward Euler, if that is the integrator, with which diffusion alone would be unstable.
 pub fn check_euler(model: &Model, longest: f64) -> Result<(), ModelError> {
     match (model.chemistry.integrator, model.chemistry.step) {
         (Integrator::Euler, Some(step)) if step > longest * (1.0 + 1e-9) => Err(Fault::at(
             &model.places.chemistry,
-            format!("forward Euler with a step of {step:.3e} s would take more out of a voxel than is in it"),
-            format!("make chemistry.step at most {longest:.3e} s, or remove `integrator`"),
+            format!("forward Euler is unstable with a step of {step:.3e} s"),
+            format!(
+                "make chemistry.step shorter, at best below {:.3e} s, or remove `integrator`",
+                0.5 * longest
+            ),
         )
         .into()),
         _ => Ok(()),

@@ -2,7 +2,8 @@
 
 use crate::error::Fault;
 use crate::fluid::{
-    Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge, Weights,
+    Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge,
+    Weights,
 };
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Shape, fill};
