@@ -113,7 +113,7 @@ fn of_a_volume(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case
 #[case::unknown_condition("initial:", "conditions: { c: { spong: {} } }\ninitial:", "m.yaml:15:20", &["unknown condition `spong`"])]
 #[case::weights_that_could_be_negative("support: 2", "support: 2, weights: corrected", "m.yaml:11:50", &["can be negative", "weights: normalised"])]
 #[case::unknown_weights("support: 2", "support: 2, weights: soft", "m.yaml:11:50", &["not one of normalised, plain, softened"])]
-#[case::euler_for_molecules("initial:", "chemistry: { integrator: euler, step: 1 ns }\ninitial:", "m.yaml:15:12", &["continuous species", "`A` is discrete"])]
+#[case::euler_for_molecules("initial:", "chemistry: { integrator: euler, step: 1 ns }\ninitial:", "m.yaml:15:12", &["continuous species", "which `A` is not"])]
 #[case::euler_without_step("initial:", "chemistry: { integrator: euler, representation: continuous }\ninitial:", "m.yaml:15:12", &["none is", "add one"])]
 #[case::euler_in_a_flow("initial:", "chemistry: { integrator: euler, representation: continuous, step: 1 ns }\ninitial:", "m.yaml:15:12", &["particles at rest", "method: none"])]
 #[case::event_driven_particles("initial:", "chemistry: { method: direct }\ninitial:", "m.yaml:15:12", &["split method"])]

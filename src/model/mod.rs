@@ -70,6 +70,10 @@ pub struct Chemistry {
     pub hops: f64,
     /// Largest expected relative change of a reactant in a step, for the automatic step.
     pub change: f64,
+    /// Molecules in a voxel from which on a hybrid species is continuous there, and below which it is discrete
+    /// again.
+    pub above: f64,
+    pub below: f64,
 }
 
 /// Time integrators of continuous species by name.

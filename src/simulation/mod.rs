@@ -2,6 +2,7 @@
 
 pub mod clock;
 pub mod compartments;
+mod freeze;
 pub mod particles;
 mod realization;
 pub mod watch;

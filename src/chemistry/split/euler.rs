@@ -33,10 +33,11 @@ impl SplitState {
             }
         }
         for i in 0..frozen.voxels() {
-            let kind = &frozen.kinds[frozen.kind[i] as usize];
+            // Without hybrid species there is one mode.
+            let lists = &frozen.kinds[frozen.kind[i] as usize].lists[0];
             let row = &self.amounts[i * species..(i + 1) * species];
-            for r in kind.integrated.iter().map(|&r| r as usize) {
-                let flux = reactor.propensities.flux_at(r, row, frozen.scales[i]);
+            for r in lists.integrated.iter().map(|&r| r as usize) {
+                let flux = reactor.propensities.flux_at(r, row, frozen.scales[i]) * frozen.weight(r, i);
                 if !flux.is_finite() {
                     return Err(reactor.bad_propensity(r, flux, time, i, row));
                 }
