@@ -82,7 +82,7 @@ pub fn printed(quantity: String, ours: f64, published: f64) -> Row {
     let error = (ours / published - 1.0).abs();
     // Numbers of the same three digits differ by less than a unit of the third.
     let unit = 10.0_f64.powf(published.log10().floor() - 2.0);
-    let limit = if digits(ours) == digits(published) { unit / published } else { 5e-4 };
+    let limit = if error > 5e-4 && digits(ours) == digits(published) { unit / published } else { 5e-4 };
     Row { quantity, ours, published: Some(published), error, limit, ..Row::default() }
 }
 
