@@ -6,6 +6,7 @@
 
 mod bounds;
 mod diffuse;
+mod estimate;
 mod euler;
 mod frozen;
 mod kinds;
@@ -15,6 +16,7 @@ mod react;
 mod snapshot;
 
 pub use bounds::{StepBounds, step_bounds};
+pub use estimate::{SplittingError, splitting_error};
 pub use euler::longest_euler_step;
 pub use frozen::Frozen;
 pub use modes::Modes;

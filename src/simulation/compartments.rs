@@ -1,9 +1,11 @@
 //! Realizations in one volume or on a graph of volumes: event driven, or split where species are continuous.
 
 use super::clock::{Interval, intervals};
-use super::{FORWARD_EULER, NotReady, Outcome, Tally, Watch, euler_caveat};
+use super::{FORWARD_EULER, NotReady, Outcome, Tally, Watch, euler_caveat, hybrids, paths};
 use crate::chemistry::sampling_numbers::poisson;
-use crate::chemistry::split::{Frozen, SplitState, longest_euler_step, step_bounds};
+use crate::chemistry::split::{
+    Frozen, Modes, SplitState, SplittingError, longest_euler_step, splitting_error, step_bounds,
+};
 use crate::chemistry::ssa::next_subvolume::Graph;
 use crate::chemistry::ssa::{Direct, EventMethod, NextReaction, NextSubvolume};
 use crate::error::RunError;
@@ -11,6 +13,7 @@ use crate::model::{Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, Voxels, check_amounts, start};
 use crate::plan::{Compartments, Plan};
+use crate::quantity::readable::show;
 use crate::random::{Purpose, stream};
 use crate::record::{StepRecord, StepsRecord};
 use crate::samples::SeriesBlock;
@@ -27,6 +30,8 @@ pub struct Ready<'p> {
     sums: Sums<'p>,
     /// Frozen volumes and steps, if the method splits.
     split: Option<(Frozen, Vec<Interval>, String)>,
+    /// Error of splitting and the time over which it was found, s.
+    splitting: Option<(SplittingError, f64)>,
 }
 
 /// Parts of an output interval between which a realization can be stopped.
@@ -40,6 +45,8 @@ struct Share {
     hops: u64,
     supplied: Vec<f64>,
     lost: f64,
+    modes: Modes,
+    withheld: f64,
 }
 
 impl<'p> Ready<'p> {
@@ -56,6 +63,12 @@ impl<'p> Ready<'p> {
             current: &arena.home,
         };
         check_amounts(plan, &places)?;
+        if arena.volumes.len() > 1 {
+            let frozen =
+                Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
+            let groups: Vec<usize> = (0..arena.volumes.len()).collect();
+            paths::check(plan, &frozen, &groups)?;
+        }
         let start = start(plan, &places);
         let slot = (0..arena.volumes.len() as u32).collect();
         let sums = Sums::new(plan, slot, &arena.volumes, arena.volumes.len());
@@ -63,7 +76,14 @@ impl<'p> Ready<'p> {
             Method::Split => Some(split(plan, arena, &start)?),
             Method::Direct | Method::NextReaction | Method::NextSubvolume => None,
         };
-        Ok(Ready { plan, arena, start, sums, split })
+        let euler = plan.model.chemistry.integrator == Integrator::Euler;
+        let splitting = split.as_ref().filter(|_| !euler).and_then(|(frozen, clock, _)| {
+            let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
+            let ticks: u64 = clock.iter().map(|i| i.ticks).sum();
+            let error = splitting_error(&plan.reactor, frozen, &start.means(), (longest, ticks), None)?;
+            Some((error, error.steps as f64 * longest))
+        });
+        Ok(Ready { plan, arena, start, sums, split, splitting })
     }
 
     /// Method and steps.
@@ -81,19 +101,25 @@ impl<'p> Ready<'p> {
             count: clock.iter().map(|i| i.ticks).sum(),
             limited_by: limited_by.clone(),
         });
-        let approximations = match &chemistry {
-            Some(step) if self.plan.model.chemistry.integrator == Integrator::Euler => {
-                vec![euler_caveat(step.step)]
+        let euler = self.plan.model.chemistry.integrator == Integrator::Euler;
+        let in_time = chemistry.as_ref().filter(|_| euler || self.arena.volumes.len() > 1).map(|step| {
+            if euler {
+                return euler_caveat(step.step);
             }
-            Some(step) if self.arena.volumes.len() > 1 => {
-                vec![format!(
-                    "splitting of diffusion and reaction: second order in the step of {:.3e} s",
-                    step.step
-                )]
-            }
-            _ => Vec::new(),
-        };
-        StepsRecord { fluid: None, chemistry, method: method.into(), approximations, shared_flow: false }
+            format!(
+                "splitting of diffusion and reaction: second order in the step of {}",
+                show(step.step, "s")
+            )
+        });
+        let approximations = hybrids::approximations(self.plan, in_time, self.splitting.as_ref());
+        StepsRecord {
+            fluid: None,
+            chemistry,
+            method: method.into(),
+            approximations,
+            shared_flow: false,
+            splitting_error: self.splitting.map(|(error, _)| error.relative),
+        }
     }
 
     /// The series at the start, with means where amounts are dealt.
@@ -123,6 +149,10 @@ impl<'p> Ready<'p> {
             supplied: vec![0.0; self.plan.reactor.species.len()],
             ..Tally::default()
         };
+        let groups: Vec<usize> = (0..self.arena.volumes.len()).collect();
+        let shares = || found.iter().filter_map(|result| result.as_ref().ok()?.as_ref());
+        tally.hybrid = hybrids::history(self.plan, shares().map(|share| &share.modes), &groups);
+        tally.withheld = shares().map(|share| share.withheld).sum();
         let mut outcome = Outcome { times: self.plan.model.output.times.len(), ..Outcome::default() };
         for result in found {
             match result {
@@ -208,6 +238,7 @@ impl<'p> Ready<'p> {
             hops: counters.hops,
             supplied: method.supplied().to_vec(),
             lost,
+            ..Share::default()
         }))
     }
 
@@ -228,10 +259,13 @@ impl<'p> Ready<'p> {
             }
             self.sums.look(&state.amounts, &mut observed.series);
         }
-        let end = totals(self.plan, &state.amounts);
+        let off =
+            |s: usize| state.total(s) - start[s] - state.made(&self.plan.reactor, s) - state.supplied[s];
         let lost = (0..start.len())
             .filter(|&s| self.plan.reactor.discrete[s])
-            .map(|s| (end[s] - start[s] - state.made(&self.plan.reactor, s) - state.supplied[s]).abs())
+            .map(|s| off(s).abs())
+            // Amounts of a hybrid species are not whole; less than a thousandth of a molecule is rounding.
+            .filter(|off| *off >= 1e-3)
             .sum();
         Ok(Some(Share {
             observed,
@@ -239,6 +273,8 @@ impl<'p> Ready<'p> {
             hops: state.counters.hops,
             supplied: state.supplied.clone(),
             lost,
+            withheld: state.withheld,
+            modes: state.modes,
         }))
     }
 }

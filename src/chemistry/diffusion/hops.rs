@@ -83,6 +83,12 @@ impl HopTable {
         self.leaving.len()
     }
 
+    /// Number of entries in all rows.
+    #[must_use]
+    pub fn entries(&self) -> usize {
+        self.target.len()
+    }
+
     /// Targets of a virtual jump from voxel `i` and their probabilities; `i` itself among them.
     #[inline]
     pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (usize, f64)> + '_ {
