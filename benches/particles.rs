@@ -9,6 +9,7 @@ use gillesph::error::{Place, Source};
 use gillesph::fluid::domain::Domain;
 use gillesph::fluid::exchange::{Voxels, links};
 use gillesph::fluid::kernel::{Kernel, KernelKind};
+use gillesph::fluid::weights::Weights;
 use gillesph::random::{Purpose, stream};
 use gillesph::vector::Vector;
 use std::sync::Arc;
@@ -37,7 +38,7 @@ fn cube(n: usize) -> Links {
         barriers: &[],
         obstacles: &[],
     };
-    let mut links = links(&voxels, &Kernel::new(KernelKind::Lucy, 2.2), 1.0);
+    let mut links = links(&voxels, &Kernel::new(KernelKind::Lucy, 2.2), Weights::Normalised, 1.0);
     assert!((0..count).all(|i| links.row(i).len() == 32));
     links.conductance.iter_mut().for_each(|g| *g *= UNIT);
     links

@@ -82,7 +82,8 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// Conductances between the particles as they are now, for species that live in the groups of `habitat`.
     #[must_use]
     pub fn links(&self, habitat: GroupSet) -> Links {
-        self.for_habitat(habitat, |voxels| exchange::links(voxels, &self.plan.kernel(), self.plan.thickness))
+        let (weights, thickness) = (self.plan.weights, self.plan.thickness);
+        self.for_habitat(habitat, |voxels| exchange::links(voxels, &self.plan.kernel(), weights, thickness))
     }
 
     /// Voxels that face a surface of the plan, among those of the groups of `habitat`.

@@ -74,6 +74,8 @@ fn refused(model: &str, from: &str, to: &str, options: &[&str]) -> String {
 #[case::law_with_unknown_name("rate: k", "law: \"vmax * A\"", "m.yaml:6:49", &["unknown name \"vmax\"", "A, B, k"])]
 #[case::law_of_wrong_dimension("rate: k", "law: \"A * A\"", "m.yaml:6:49", &["expected concentration per time"])]
 #[case::only_in_without_groups("B: { diffusion: 0", "B: { diffusion: 0, only_in: cell", "m.yaml:3:70", &["unknown group `cell`", "no groups"])]
+#[case::negative_conductance("well_mixed, volume: 1 fL", "graph, volumes: [1 fL, 1 fL], links: [[0, 1, -1 um]]", "m.yaml:7:62", &["may not be negative"])]
+#[case::unstable_euler("well_mixed, volume: 1 fL }", "graph, volumes: [1 fL, 1 fL], links: [[0, 1, 1 um]] }\nchemistry: { integrator: euler, representation: continuous, step: 3 s }", "m.yaml:8:12", &["forward Euler is unstable", "below 1.000e0 s"])]
 #[case::no_realizations("realizations: 3", "realizations: 0", "m.yaml:9:34", &["realizations from 1", "found 0"])]
 #[case::half_a_realization("realizations: 3", "realizations: 2.5", "m.yaml:9:34", &["expected a whole number"])]
 #[case::no_threads("seed: 1", "seed: 1, threads: 0", "m.yaml:9:55", &["1 to 4096 threads"])]
@@ -109,6 +111,11 @@ fn of_a_volume(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case
 #[case::ring_outside("every: 1 us", "probes: { p: { ring: { centre: [4 um, 30 um], inner: 1 um, outer: 2 um } } }", "m.yaml:17:32", &["the ring lies outside the box"])]
 #[case::histogram_in_no_group("every: 1 us", "histogram: [ { species: A, in: cell } ]", "m.yaml:17:42", &["unknown group `cell`"])]
 #[case::unknown_condition("initial:", "conditions: { c: { spong: {} } }\ninitial:", "m.yaml:15:20", &["unknown condition `spong`"])]
+#[case::weights_that_could_be_negative("support: 2", "support: 2, weights: corrected", "m.yaml:11:50", &["can be negative", "weights: normalised"])]
+#[case::unknown_weights("support: 2", "support: 2, weights: soft", "m.yaml:11:50", &["not one of normalised, plain, softened"])]
+#[case::euler_for_molecules("initial:", "chemistry: { integrator: euler, step: 1 ns }\ninitial:", "m.yaml:15:12", &["continuous species", "which `A` is not"])]
+#[case::euler_without_step("initial:", "chemistry: { integrator: euler, representation: continuous }\ninitial:", "m.yaml:15:12", &["none is", "add one"])]
+#[case::euler_in_a_flow("initial:", "chemistry: { integrator: euler, representation: continuous, step: 1 ns }\ninitial:", "m.yaml:15:12", &["particles at rest", "method: none"])]
 #[case::event_driven_particles("initial:", "chemistry: { method: direct }\ninitial:", "m.yaml:15:12", &["split method"])]
 fn of_particles(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {
     check(&refused(PARTICLES, from, to, &[]), place, words);

@@ -7,6 +7,7 @@ use gillesph::chemistry::{GroupSet, Links, Reactor};
 use gillesph::fluid::domain::Domain;
 use gillesph::fluid::exchange::{Voxels, links};
 use gillesph::fluid::kernel::{Kernel, KernelKind};
+use gillesph::fluid::weights::Weights;
 use gillesph::vector::Vector;
 
 /// Sixteen particles in a periodic box of 4², carried along the vortices u = 0.2 (sin(πy/2), sin(πx/2)) and
@@ -57,7 +58,7 @@ impl Vortices {
             barriers: &[],
             obstacles: &[],
         };
-        let mut links = links(&voxels, &self.kernel, 1.0);
+        let mut links = links(&voxels, &self.kernel, Weights::Normalised, 1.0);
         links.conductance.iter_mut().for_each(|g| *g *= UNIT);
         let volumes: Vec<f64> = self.volumes.iter().map(|v| v * UNIT).collect();
         Frozen::build(reactor, &links, &volumes, &[0; 16], &[0; 16], &[]).unwrap()

@@ -18,6 +18,7 @@ use gillesph::chemistry::split::{Frozen, SplitState};
 use gillesph::fluid::domain::Domain;
 use gillesph::fluid::exchange::{Voxels, links};
 use gillesph::fluid::kernel::{Kernel, KernelKind};
+use gillesph::fluid::weights::Weights;
 use gillesph::random::{Purpose, stream};
 use gillesph::vector::Vector;
 use rstest::rstest;
@@ -40,7 +41,7 @@ fn fano_factor_with_held_edges(#[values((0.1, 60), (1.0, 20), (5.0, 8))] (hops, 
         barriers: &[],
         obstacles: &[],
     };
-    let mut links = links(&voxels, &Kernel::new(KernelKind::Lucy, 3.0), 1.0);
+    let mut links = links(&voxels, &Kernel::new(KernelKind::Lucy, 3.0), Weights::Normalised, 1.0);
     links.conductance.iter_mut().for_each(|g| *g *= UNIT);
     let held: Vec<bool> =
         positions.iter().map(|x| x.iter().any(|x| *x < 1.0 || *x > SIDE as f64 - 1.0)).collect();

@@ -7,6 +7,7 @@
 mod bounds;
 mod diffuse;
 mod estimate;
+mod euler;
 mod frozen;
 mod kinds;
 mod mixed;
@@ -16,6 +17,7 @@ mod snapshot;
 
 pub use bounds::{StepBounds, step_bounds};
 pub use estimate::{Feed, SplittingError, splitting_error};
+pub use euler::longest_euler_step;
 pub use frozen::Frozen;
 pub use modes::Modes;
 pub use snapshot::Snapshot;

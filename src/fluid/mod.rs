@@ -9,7 +9,7 @@
 //! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
 //! | [`observe`] | snapshots and health of a flow |
-//! | [`exchange`], [`interpolate`] | conductances for the chemistry; fields at points |
+//! | [`weights`], [`exchange`], [`interpolate`] | conductances for the chemistry, ours and as printed; fields at points |
 //!
 //! Sources: Jacob et al. 2021 (SPH-BVF); Adami, Hu & Adams 2012, 2013; Antuono et al. 2010. All SI.
 
@@ -30,6 +30,7 @@ mod sponge;
 pub mod surface;
 pub mod terms;
 pub mod wall;
+pub mod weights;
 
 pub use domain::Domain;
 pub use exchange::{Barrier, Voxels};
@@ -41,3 +42,4 @@ pub use motion::Motion;
 pub use neighbours::Grid;
 pub use observe::{FlowHealth, Snapshot};
 pub use setup::{Body, BodyKind, Options, Placed, Setup, Slip, Sponge};
+pub use weights::Weights;

@@ -136,7 +136,7 @@ mod tests {
             assert!(found.iter().all(|f| f.distance < CUTOFF && f.area > 0.0));
         }
         // Fed on one side and drained on the other, a linear profile along axis 0 is at rest to rounding.
-        let links = links(&voxels, &kernel, 1.0);
+        let links = links(&voxels, &kernel, crate::fluid::Weights::Normalised, 1.0);
         let mut change: Vec<f64> = (0..positions.len())
             .map(|i| links.row(i).map(|(j, g)| g * (positions[i][0] - positions[j][0])).sum())
             .collect();

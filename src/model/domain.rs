@@ -5,9 +5,10 @@ use super::fluid::{self, FluidModel};
 use super::graph;
 use super::groups::{self, Group};
 use super::names::{axis_name, pad};
-use super::node::Node;
+use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
 use crate::chemistry::Network;
+use crate::fluid::Weights;
 use crate::fluid::kernel::KernelKind;
 use crate::quantity::Dimension;
 use crate::vector::Vector;
@@ -45,6 +46,8 @@ pub struct ParticleDomain {
     pub kernel: KernelKind,
     /// Kernel cut-off over spacing.
     pub support: f64,
+    /// Weights of the diffusion operator.
+    pub weights: Weights,
     pub groups: Vec<Group>,
     pub fluid: Option<FluidModel>,
     pub conditions: Vec<Condition>,
@@ -160,7 +163,12 @@ fn particles(
     }
     let fluid = sections.fluid.and_then(|node| fluid::read(node, d, faults));
     // A layout with a fault is replaced, so that groups and conditions can be checked; NaN fits any box.
-    let (spacing, kernel, support) = layout.unwrap_or((f64::NAN, KernelKind::Lucy, 3.0));
+    let Layout { spacing, kernel, support, weights } = layout.unwrap_or(Layout {
+        spacing: f64::NAN,
+        kernel: KernelKind::Lucy,
+        support: 3.0,
+        weights: Weights::Normalised,
+    });
     let groups = groups::read(sections, d, (&min, &max), spacing, network, faults);
     let mut domain = ParticleDomain {
         dimensions: d,
@@ -174,6 +182,7 @@ fn particles(
         spacing,
         kernel,
         support,
+        weights,
         groups: groups?,
         fluid,
         conditions: Vec::new(),
@@ -199,7 +208,15 @@ fn boundaries(node: Option<&Node>, d: usize, faults: &mut Faults) -> Option<Vec<
     Some(found)
 }
 
-fn layout(node: Option<&Node>, domain: &Node, faults: &mut Faults) -> Option<(f64, KernelKind, f64)> {
+/// What `particles` says.
+struct Layout {
+    spacing: f64,
+    kernel: KernelKind,
+    support: f64,
+    weights: Weights,
+}
+
+fn layout(node: Option<&Node>, domain: &Node, faults: &mut Faults) -> Option<Layout> {
     let Some(node) = node else {
         faults.at(
             &domain.place,
@@ -232,6 +249,28 @@ fn layout(node: Option<&Node>, domain: &Node, faults: &mut Faults) -> Option<(f6
         );
         None
     });
+    let weights = fields.optional("weights").map(|n| weights(n, faults));
     fields.finish(faults);
-    Some((spacing?, kernel.unwrap_or(Some(KernelKind::Lucy))?, support.unwrap_or(Some(3.0))?))
+    Some(Layout {
+        spacing: spacing?,
+        kernel: kernel.unwrap_or(Some(KernelKind::Lucy))?,
+        support: support.unwrap_or(Some(3.0))?,
+        weights: weights.unwrap_or(Some(Weights::Normalised))?,
+    })
+}
+
+/// Weights by name. Those that could be negative are refused for what they would do to molecules.
+fn weights(node: &Node, faults: &mut Faults) -> Option<Weights> {
+    if matches!(&node.value, Value::Text(name) if name == "corrected") {
+        faults.at(
+            &node.place,
+            "weights corrected by the kernel's gradient can be negative and differ between the two sides of a pair: no rates at which molecules could hop",
+            "use weights: normalised, which correct the diffusivity and stay positive and symmetric",
+        );
+        return None;
+    }
+    node.choice(
+        &[("normalised", Weights::Normalised), ("plain", Weights::Plain), ("softened", Weights::Softened)],
+        faults,
+    )
 }

@@ -3,7 +3,7 @@
 use super::node::{self, Node, Value};
 use super::reader::{Faults, Fields};
 use super::times::End;
-use super::{Chemistry, Method, Model, Places, domain, initial, names, output, reactions};
+use super::{Chemistry, Integrator, Method, Model, Places, domain, initial, names, output, reactions};
 use crate::chemistry::{Network, Representation};
 use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::Dimension;
@@ -233,6 +233,7 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
         representation: Representation::Discrete,
         method: None,
         step: None,
+        integrator: Integrator::Exponential,
         hops: 0.2,
         change: 0.1,
         above: 1000.0,
@@ -255,6 +256,10 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
         )
     });
     chemistry.step = fields.optional("step").and_then(|n| n.positive(Dimension::TIME, faults));
+    let integrator = fields.optional("integrator").and_then(|n| {
+        n.choice(&[("exponential", Integrator::Exponential), ("euler", Integrator::Euler)], faults)
+    });
+    chemistry.integrator = integrator.unwrap_or_default();
     for (key, value) in [("hops", &mut chemistry.hops), ("change", &mut chemistry.change)] {
         let given = fields.optional(key).and_then(|n| n.positive(Dimension::NONE, faults));
         *value = given.unwrap_or(*value);

@@ -64,6 +64,8 @@ pub struct Chemistry {
     pub method: Option<Method>,
     /// Chemistry step, s; chosen by the program if `None`.
     pub step: Option<f64>,
+    /// How continuous species are taken over a step.
+    pub integrator: Integrator,
     /// Largest expected number of hops of a molecule in half a step, for the automatic step.
     pub hops: f64,
     /// Largest expected relative change of a reactant in a step, for the automatic step.
@@ -72,6 +74,16 @@ pub struct Chemistry {
     /// again.
     pub above: f64,
     pub below: f64,
+}
+
+/// Time integrators of continuous species by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// Diffusion by the exact exponential and reactions by Dormand & Prince in turn (Strang splitting).
+    #[default]
+    Exponential,
+    /// Forward Euler on diffusion and reactions together, with the step given.
+    Euler,
 }
 
 /// Sampling methods by name.

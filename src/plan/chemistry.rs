@@ -7,7 +7,7 @@ use crate::chemistry::reactor::Hybrid;
 use crate::chemistry::{GroupSet, Network, Rate, Reaction, Reactor, Representation};
 use crate::error::Fault;
 use crate::model::conditions::What;
-use crate::model::{Domain, Material, Method, Model};
+use crate::model::{Domain, Integrator, Material, Method, Model};
 
 /// The network with the conditions that act like reactions: one zero-order reaction for each source, one for each
 /// species that enters or leaves through a surface.
@@ -102,6 +102,36 @@ pub fn method(model: &Model, discrete: &[bool], volumes: usize, faults: &mut Vec
             method
         }
         Some(method) => method,
+    }
+}
+
+/// Faults where forward Euler is asked for and cannot be had.
+pub fn check_integrator(model: &Model, network: &Network, discrete: &[bool], faults: &mut Vec<Fault>) {
+    if model.chemistry.integrator != Integrator::Euler {
+        return;
+    }
+    let mut refuse =
+        |reason: String, remedy: &str| faults.push(Fault::at(&model.places.chemistry, reason, remedy));
+    if let Some(s) = discrete.iter().position(|&d| d) {
+        refuse(
+            format!(
+                "integrator: euler is for continuous species, which `{}` is not",
+                network.species[s].name
+            ),
+            "set representation: continuous, or remove `integrator`: whole molecules are sampled exactly",
+        );
+    }
+    if model.chemistry.step.is_none() {
+        refuse(
+            "forward Euler takes the step it is given, and none is".into(),
+            "add one, e.g. chemistry: { integrator: euler, step: 0.1 ms }",
+        );
+    }
+    if matches!(&model.domain, Domain::Particles(domain) if domain.fluid.is_some()) {
+        refuse(
+            "integrator: euler is for particles at rest, and these move".into(),
+            "remove `integrator`, or set fluid: { method: none }",
+        );
     }
 }
 

@@ -1,7 +1,7 @@
 //! What would not fit: memory and numbers of steps.
 
 use crate::error::{Fault, ModelError};
-use crate::model::{Domain, Material, Model};
+use crate::model::{Domain, Integrator, Material, Model};
 
 /// More steps than this are refused.
 pub const MOST_STEPS: f64 = 1e9;
@@ -107,6 +107,22 @@ fn bytes(n: f64) -> String {
         Some((_, "")) => format!("{:.1e} TB", n / 1e12),
         Some((size, unit)) => format!("{:.1} {unit}", n / size),
         None => format!("{:.0} kB", n / 1e3),
+    }
+}
+
+/// Refuses a step of forward Euler, if that is the integrator, with which diffusion alone would be unstable.
+pub fn check_euler(model: &Model, longest: f64) -> Result<(), ModelError> {
+    match (model.chemistry.integrator, model.chemistry.step) {
+        (Integrator::Euler, Some(step)) if step > longest * (1.0 + 1e-9) => Err(Fault::at(
+            &model.places.chemistry,
+            format!("forward Euler is unstable with a step of {step:.3e} s"),
+            format!(
+                "make chemistry.step shorter, at best below {:.3e} s, or remove `integrator`",
+                0.5 * longest
+            ),
+        )
+        .into()),
+        _ => Ok(()),
     }
 }
 

@@ -58,6 +58,7 @@ impl Plan {
         let analysis = analyse(&network);
         let discrete = chemistry::discrete(&model, &network);
         limits::check_memory(&model, realizations)?;
+        chemistry::check_integrator(&model, &network, &discrete, &mut faults);
         let (arena, groups) = match &model.domain {
             Domain::WellMixed { volume } => {
                 let compartments = Compartments {

@@ -3,6 +3,7 @@
 use crate::error::Fault;
 use crate::fluid::{
     Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge,
+    Weights,
 };
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Shape, fill};
@@ -18,6 +19,8 @@ use std::sync::Arc;
 pub struct ParticlePlan<const D: usize> {
     pub domain: Domain<D>,
     pub kernel: KernelKind,
+    /// Weights of the diffusion operator.
+    pub weights: Weights,
     /// Kernel cut-off h, m.
     pub cutoff: f64,
     /// Volume (m³) of a particle over its volume in D dimensions (m^D).
@@ -131,6 +134,7 @@ impl<const D: usize> ParticlePlan<D> {
                 periodic: std::array::from_fn(|k| domain.boundaries[k] == Boundary::Periodic),
             },
             kernel: domain.kernel,
+            weights: domain.weights,
             cutoff,
             thickness: domain.thickness.powi(3 - D as i32),
             particles,

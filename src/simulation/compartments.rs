@@ -1,14 +1,16 @@
 //! Realizations in one volume or on a graph of volumes: event driven, or split where species are continuous.
 
 use super::clock::{Interval, intervals};
-use super::{NotReady, Outcome, Tally, Watch, hybrids, paths};
+use super::{FORWARD_EULER, NotReady, Outcome, Tally, Watch, euler_caveat, hybrids, paths};
 use crate::chemistry::sampling_numbers::poisson;
-use crate::chemistry::split::{Frozen, Modes, SplitState, SplittingError, splitting_error, step_bounds};
+use crate::chemistry::split::{
+    Frozen, Modes, SplitState, SplittingError, longest_euler_step, splitting_error, step_bounds,
+};
 use crate::chemistry::ssa::next_subvolume::Graph;
 use crate::chemistry::ssa::{Direct, EventMethod, NextReaction, NextSubvolume};
 use crate::error::RunError;
-use crate::model::Method;
-use crate::plan::limits::check_steps;
+use crate::model::{Integrator, Method};
+use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, Voxels, check_amounts, start};
 use crate::plan::{Compartments, Plan};
 use crate::quantity::readable::show;
@@ -74,7 +76,8 @@ impl<'p> Ready<'p> {
             Method::Split => Some(split(plan, arena, &start)?),
             Method::Direct | Method::NextReaction | Method::NextSubvolume => None,
         };
-        let splitting = split.as_ref().and_then(|(frozen, clock, _)| {
+        let euler = plan.model.chemistry.integrator == Integrator::Euler;
+        let splitting = split.as_ref().filter(|_| !euler).and_then(|(frozen, clock, _)| {
             let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
             let ticks: u64 = clock.iter().map(|i| i.ticks).sum();
             let error = splitting_error(&plan.reactor, frozen, &start.means(), (longest, ticks), None)?;
@@ -90,6 +93,7 @@ impl<'p> Ready<'p> {
             Method::Direct => "direct method (Gillespie 1976), exact",
             Method::NextReaction => "next reaction method (Gibson & Bruck 2000), exact",
             Method::NextSubvolume => "next subvolume method (Elf & Ehrenberg 2004), exact",
+            Method::Split if self.plan.model.chemistry.integrator == Integrator::Euler => FORWARD_EULER,
             Method::Split => "diffusion and reaction in turn, Strang splitting",
         };
         let chemistry = self.split.as_ref().map(|(_, clock, limited_by)| StepRecord {
@@ -97,13 +101,17 @@ impl<'p> Ready<'p> {
             count: clock.iter().map(|i| i.ticks).sum(),
             limited_by: limited_by.clone(),
         });
-        let splitting = chemistry.as_ref().filter(|_| self.arena.volumes.len() > 1).map(|step| {
+        let euler = self.plan.model.chemistry.integrator == Integrator::Euler;
+        let in_time = chemistry.as_ref().filter(|_| euler || self.arena.volumes.len() > 1).map(|step| {
+            if euler {
+                return euler_caveat(step.step);
+            }
             format!(
                 "splitting of diffusion and reaction: second order in the step of {}",
                 show(step.step, "s")
             )
         });
-        let approximations = hybrids::approximations(self.plan, splitting, self.splitting.as_ref());
+        let approximations = hybrids::approximations(self.plan, in_time, self.splitting.as_ref());
         StepsRecord {
             fluid: None,
             chemistry,
@@ -243,7 +251,11 @@ impl<'p> Ready<'p> {
                 if watch.stopped() {
                     return Ok(None);
                 }
-                state.step(&self.plan.reactor, frozen, interval.time(k), interval.tick())?;
+                let (reactor, time, tick) = (&self.plan.reactor, interval.time(k), interval.tick());
+                match self.plan.model.chemistry.integrator {
+                    Integrator::Exponential => state.step(reactor, frozen, time, tick)?,
+                    Integrator::Euler => state.euler(reactor, frozen, time, tick)?,
+                }
             }
             self.sums.look(&state.amounts, &mut observed.series);
         }
@@ -280,6 +292,7 @@ fn split(
 ) -> Result<(Frozen, Vec<Interval>, String), NotReady> {
     let frozen = Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
     let chemistry = &plan.model.chemistry;
+    check_euler(&plan.model, longest_euler_step(&plan.reactor, &frozen))?;
     let bounds = step_bounds(&plan.reactor, &frozen, &start.means(), chemistry.hops, chemistry.change);
     let until = plan.model.run.until;
     let (step, limited_by) = match chemistry.step {

@@ -11,10 +11,19 @@ pub mod watch;
 
 use crate::error::{ModelError, RunError};
 use crate::plan::{Arena, Plan};
+use crate::quantity::readable::show;
 use crate::record::{HybridRecord, StepsRecord};
 use crate::sampling::Observed;
 
 pub use watch::Watch;
+
+/// The method where forward Euler was asked for by name.
+const FORWARD_EULER: &str = "rate equations, forward Euler on diffusion and reactions together";
+
+/// What is approximate about it.
+fn euler_caveat(step: f64) -> String {
+    format!("forward Euler: first order in the step of {}", show(step, "s"))
+}
 
 /// What a block of realizations came to.
 #[derive(Debug, Default)]

@@ -3,12 +3,16 @@
 use super::clock::{Interval, intervals};
 use super::freeze::freeze;
 use super::realization::{Realization, Reservoirs, Surroundings};
-use super::{FlowTally, NotReady, Outcome, Tally, Watch, hybrids, paths};
-use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
+use super::{FORWARD_EULER, FlowTally, NotReady, Outcome, Tally, Watch, euler_caveat, hybrids, paths};
+use crate::chemistry::split::{
+    Feed, Frozen, SplittingError, StepBounds, longest_euler_step, splitting_error, step_bounds,
+};
 use crate::error::RunError;
-use crate::plan::limits::check_steps;
+use crate::model::Integrator;
+use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
+use crate::quantity::readable::show;
 use crate::record::{StepRecord, StepsRecord};
 use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Observed};
@@ -59,6 +63,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         let frozen = freeze(plan, &scene, &start)?;
         let groups: Vec<usize> = arena.home.iter().map(|&home| usize::from(home)).collect();
         paths::check(plan, &frozen, &groups)?;
+        check_euler(&plan.model, longest_euler_step(&plan.reactor, &frozen))?;
         let bounds = bounds(plan, &scene, &frozen, &start);
         let automatic = (bounds.step(), bounds.limited_by().to_string());
         let (chemistry_step, chemistry_limit) = match plan.model.chemistry.step {
@@ -101,7 +106,9 @@ impl<'p, const D: usize> Ready<'p, D> {
             .map(|i| i.tick() / i.fluid_steps as f64)
             .fold(0.0, f64::max);
         let discrete = self.plan.reactor.discrete.iter().filter(|&&d| d).count();
+        let euler = self.plan.model.chemistry.integrator == Integrator::Euler;
         let method = match discrete {
+            0 if euler => FORWARD_EULER,
             _ if self.plan.reactor.hybrid.is_some() => {
                 "each species discrete or continuous voxel by voxel, Strang splitting"
             }
@@ -110,6 +117,15 @@ impl<'p, const D: usize> Ready<'p, D> {
                 "exact sampling of diffusion and reaction in turn, Strang splitting"
             }
             _ => "discrete and continuous species side by side, Strang splitting",
+        };
+        let in_time = if euler {
+            euler_caveat(longest)
+        } else {
+            format!(
+                "splitting of {}diffusion and reaction: second order in the chemistry step of {}",
+                if self.fluid.is_some() { "motion, " } else { "" },
+                show(longest, "s")
+            )
         };
         StepsRecord {
             fluid: self.fluid.as_ref().map(|(_, limited_by)| StepRecord {
@@ -123,15 +139,10 @@ impl<'p, const D: usize> Ready<'p, D> {
             }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
-            approximations: hybrids::approximations(
-                self.plan,
-                Some(format!(
-                    "splitting of {}diffusion and reaction: second order in the chemistry step of {}",
-                    if self.fluid.is_some() { "motion, " } else { "" },
-                    crate::quantity::readable::show(longest, "s")
-                )),
-                self.splitting.as_ref(),
-            ),
+            approximations: hybrids::approximations(self.plan, Some(in_time), self.splitting.as_ref())
+                .into_iter()
+                .chain(self.scene.plan.weights.caveat().map(String::from))
+                .collect(),
             splitting_error: self.splitting.map(|(error, _)| error.relative),
             shared_flow: self.fluid.is_some(),
         }
@@ -322,6 +333,9 @@ fn estimate<const D: usize>(
     start: &Start,
     clock: &[Interval],
 ) -> Option<(SplittingError, f64)> {
+    if plan.model.chemistry.integrator == Integrator::Euler {
+        return None; // nothing is split
+    }
     let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
     let ticks: u64 = clock.iter().map(|i| i.ticks).sum();
     let count = plan.reactor.species.len();

@@ -3,6 +3,7 @@
 use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::split::{Frozen, SplitState};
 use crate::error::RunError;
+use crate::model::Integrator;
 use crate::plan::Plan;
 use crate::plan::start::{Start, sponge_targets};
 use crate::random::{Purpose, stream};
@@ -90,10 +91,14 @@ impl Realization {
         Ok(())
     }
 
-    /// A whole step on particles that do not move: the two halves of diffusion are one.
+    /// A whole step on particles that do not move: the two halves of diffusion are one, or all is one of Euler's.
     pub fn step_at_rest(&mut self, around: &Surroundings, time: f64, tick: f64) -> Result<(), RunError> {
         self.feed(around, 0.5 * tick);
-        self.state.step(&around.plan.reactor, around.frozen, time, tick)?;
+        let (reactor, frozen) = (&around.plan.reactor, around.frozen);
+        match around.plan.model.chemistry.integrator {
+            Integrator::Exponential => self.state.step(reactor, frozen, time, tick)?,
+            Integrator::Euler => self.state.euler(reactor, frozen, time, tick)?,
+        }
         self.feed(around, 0.5 * tick);
         self.deal_held(around.plan, around.start);
         Ok(())

@@ -3,18 +3,25 @@
 //! The cases are the models that are shipped, changed only by values a user could give with `--set`.
 
 mod annihilation;
+mod compact;
 mod compartments;
+mod nodes;
 mod pheromone;
 mod series;
 mod table;
+mod table_2_1;
+mod table_2_2;
+mod table_2_3;
 
 use crate::ensemble;
 use crate::error::RunError;
 use crate::model::load;
 use crate::plan::Plan;
 use crate::results::Results;
+use crate::samples::ParticleFrame;
 use crate::simulation::{NotReady, Ready, Watch};
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 /// A case by name.
 pub struct Case {
@@ -38,8 +45,23 @@ pub const CASES: &[Case] = &[
         run: compartments::two_compartments,
     },
     Case {
+        name: "table_2_1",
+        what: "diffusion on a line, table 2.1 of the dissertation: the printed operator, ours, whole molecules",
+        run: table_2_1::line,
+    },
+    Case {
+        name: "table_2_2",
+        what: "diffusion into a plate, table 2.2 (--full: whole molecules on 33 x 33 and 65 x 65 too)",
+        run: table_2_2::plate,
+    },
+    Case {
+        name: "table_2_3",
+        what: "A + B -> 0 on a line, table 2.3 (--full: whole molecules on 65 particles too)",
+        run: table_2_3::line,
+    },
+    Case {
         name: "annihilation_front",
-        what: "A + B -> 0 on a line of 65 particles against finite differences, over the transient",
+        what: "A + B -> 0 on lines of 17 to 65 particles against finite differences, over the transient",
         run: annihilation::front,
     },
     Case {
@@ -85,7 +107,7 @@ impl fmt::Display for Verdict {
         writeln!(f, "{} ({:.1} s)", self.case, self.seconds)?;
         writeln!(
             f,
-            "  {:<58} {:>11} {:>11} {:>11} {:>10} {:>9}",
+            "  {:<62} {:>11} {:>11} {:>11} {:>10} {:>9}",
             "quantity", "ours", "published", "reference", "error", "limit"
         )?;
         for row in &self.rows {
@@ -93,7 +115,7 @@ impl fmt::Display for Verdict {
             let verdict = if row.error <= row.limit { "ok" } else { "FAILED" };
             writeln!(
                 f,
-                "  {:<58} {:>11.4e} {:>11} {:>11} {:>10.2e} {:>9.1e}  {verdict}",
+                "  {:<62} {:>11.4e} {:>11} {:>11} {:>10.2e} {:>9.1e}  {verdict}",
                 row.quantity,
                 row.ours,
                 number(row.published),
@@ -112,11 +134,16 @@ struct Shipped {
     reactions: Option<(&'static str, &'static str)>,
 }
 
-/// Runs a shipped model with values changed as by `--set`, without writing anything but a folder that is removed.
-fn run(shipped: &Shipped, overrides: &[String]) -> Result<Results, RunError> {
+/// Makes a plan of a shipped model with values changed as by `--set`, and hands it on with a folder that is
+/// removed afterwards.
+fn with_plan<T>(
+    shipped: &Shipped,
+    overrides: &[String],
+    then: impl FnOnce(&Plan, Ready, &Path) -> Result<T, RunError>,
+) -> Result<T, RunError> {
     let failed = |reason: String| RunError::File { path: "validation model".into(), reason };
     let folder = tempfile::tempdir().map_err(|error| failed(error.to_string()))?;
-    let write = |path: &str, text: &str| -> Result<std::path::PathBuf, RunError> {
+    let write = |path: &str, text: &str| -> Result<PathBuf, RunError> {
         let path = folder.path().join(path);
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|error| failed(error.to_string()))?;
@@ -129,21 +156,41 @@ fn run(shipped: &Shipped, overrides: &[String]) -> Result<Results, RunError> {
     }
     let path = write("models/model.yaml", shipped.model)?;
     let model = load::model(&path, overrides).map_err(|error| failed(error.to_string()))?;
-    let block = 0..model.run.realizations;
-    let plan = Plan::new(model, block.end).map_err(|error| failed(error.to_string()))?;
+    let realizations = model.run.realizations;
+    let plan = Plan::new(model, realizations).map_err(|error| failed(error.to_string()))?;
     let ready = Ready::new(&plan).map_err(|error| match error {
         NotReady::Model(error) => failed(error.to_string()),
         NotReady::Run(error) => error,
     })?;
-    let mut results = ensemble::empty(&plan, ensemble::record(&plan, &block, ready.steps(), 0));
-    let numbers: Vec<u32> = block.collect();
-    let mut outcome = ready.run(&numbers, &Watch::silent());
-    ensemble::keep(&mut results, folder.path(), &mut outcome, false)?;
-    ensemble::conclude(&plan, &mut results, &outcome.tally, outcome.error.as_ref(), outcome.interrupted);
-    match outcome.error {
-        Some(error) => Err(error),
-        None => Ok(results),
-    }
+    then(&plan, ready, folder.path())
+}
+
+/// Runs a shipped model with values changed as by `--set`, without writing anything but a folder that is removed.
+fn run(shipped: &Shipped, overrides: &[String]) -> Result<Results, RunError> {
+    with_plan(shipped, overrides, |plan, ready, folder| {
+        let block = 0..plan.model.run.realizations;
+        let mut results = ensemble::empty(plan, ensemble::record(plan, &block, ready.steps(), 0));
+        let numbers: Vec<u32> = block.collect();
+        let mut outcome = ready.run(&numbers, &Watch::silent());
+        ensemble::keep(&mut results, folder, &mut outcome, false)?;
+        ensemble::conclude(plan, &mut results, &outcome.tally, outcome.error.as_ref(), outcome.interrupted);
+        match outcome.error {
+            Some(error) => Err(error),
+            None => Ok(results),
+        }
+    })
+}
+
+/// Runs a shipped model likewise and returns what its particle tables would hold, realization by realization.
+fn frames(shipped: &Shipped, overrides: &[String]) -> Result<Vec<ParticleFrame>, RunError> {
+    with_plan(shipped, overrides, |plan, ready, _| {
+        let numbers: Vec<u32> = (0..plan.model.run.realizations).collect();
+        let outcome = ready.run(&numbers, &Watch::silent());
+        match outcome.error {
+            Some(error) => Err(error),
+            None => Ok(outcome.observed.into_iter().flat_map(|one| one.frames).collect()),
+        }
+    })
 }
 
 /// Runs a case and notes how long it took.

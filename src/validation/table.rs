@@ -26,6 +26,11 @@ impl Table {
         self.text(row, name).parse().unwrap_or(f64::NAN)
     }
 
+    /// Numbers of a column, every `step`-th row from the first.
+    pub fn every(&self, name: &str, step: usize) -> Vec<f64> {
+        (0..self.len()).step_by(step).map(|row| self.number(row, name)).collect()
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.rows.len()

@@ -1,0 +1,32 @@
+//! The models of the published tables as a user runs them, and the case that is quick.
+
+mod face;
+
+use face::{Bench, gillesph, record, shipped};
+
+/// A run says by which printed operator and integrator it was made.
+#[test]
+fn printed_operators_are_named_in_the_record() {
+    for (name, operator) in [
+        ("table_2_1", "printed operator (softened, unnormalised)"),
+        ("table_2_2", "printed operator (unnormalised)"),
+        ("table_2_3", "printed operator (softened, unnormalised)"),
+    ] {
+        let bench = Bench::new();
+        let model = shipped(&format!("models/validation/{name}.yaml"));
+        let short =
+            ["--set", "run.until=0.1 s", "--set", "output.times=[0.1 s]", "--set", "output.particles=false"];
+        let steps = &record(&bench.run(&model, "out", &short))["steps"];
+        assert!(steps["method"].as_str().unwrap().contains("forward Euler"), "{name}");
+        let approximations = steps["approximations"].to_string();
+        assert!(approximations.contains(operator), "{name}: {approximations}");
+        assert!(approximations.contains("forward Euler: first order"), "{name}: {approximations}");
+    }
+}
+
+#[test]
+fn table_2_1_is_met() {
+    let printed = gillesph(&["validate", "table_2_1"]);
+    let text = String::from_utf8(printed.stdout).unwrap();
+    assert!(text.contains("N = 65, our operator") && !text.contains("FAILED"), "{text}");
+}
