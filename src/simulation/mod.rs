@@ -2,6 +2,7 @@
 
 pub mod clock;
 pub mod compartments;
+mod events;
 pub mod particles;
 mod realization;
 pub mod watch;

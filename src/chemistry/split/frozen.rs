@@ -121,6 +121,14 @@ impl Frozen {
         self.scales.len()
     }
 
+    /// How strongly reaction `r` acts in `voxel`, a factor of its propensity: 1 where it happens, 0 elsewhere.
+    #[must_use]
+    pub fn weight(&self, voxel: usize, r: usize) -> f64 {
+        let kind = &self.kinds[self.kind[voxel] as usize];
+        let happens = kind.sampled.iter().chain(&kind.integrated).any(|&q| q as usize == r);
+        if happens { 1.0 } else { 0.0 }
+    }
+
     /// Hop table of species `s`; `None` if it does not diffuse.
     #[must_use]
     pub fn table(&self, s: usize) -> Option<&HopTable> {
