@@ -6,7 +6,7 @@ use crate::chemistry::network::Named;
 use crate::chemistry::{GroupSet, Network, Rate, Reaction, Reactor, Representation};
 use crate::error::Fault;
 use crate::model::conditions::What;
-use crate::model::{Domain, Material, Method, Model};
+use crate::model::{Domain, Material, Model};
 
 /// The network with one zero-order reaction for each source among the conditions.
 #[must_use]
@@ -44,34 +44,6 @@ pub fn discrete(model: &Model, network: &Network) -> Vec<bool> {
             species.representation.unwrap_or(model.chemistry.representation) == Representation::Discrete
         })
         .collect()
-}
-
-/// The method for compartments: event driven if all species are discrete, split otherwise.
-pub fn method(model: &Model, discrete: &[bool], volumes: usize, faults: &mut Vec<Fault>) -> Method {
-    let all_discrete = discrete.iter().all(|&d| d);
-    let natural = if volumes == 1 { Method::Direct } else { Method::NextSubvolume };
-    match model.chemistry.method {
-        None if all_discrete => natural,
-        None => Method::Split,
-        Some(method @ (Method::Direct | Method::NextReaction | Method::NextSubvolume)) if !all_discrete => {
-            faults.push(Fault::at(
-                &model.places.chemistry,
-                "an event-driven method needs discrete species, and some are continuous",
-                "set method: split, or make all species discrete",
-            ));
-            method
-        }
-        Some(method @ (Method::Direct | Method::NextReaction)) if volumes > 1 => {
-            let name = if method == Method::Direct { "direct" } else { "next reaction" };
-            faults.push(Fault::at(
-                &model.places.chemistry,
-                format!("the {name} method is for one volume, and this model has several"),
-                "set method: next_subvolume",
-            ));
-            method
-        }
-        Some(method) => method,
-    }
 }
 
 /// Classes of volumes for `only_in`: the class of each volume, and for each named group its classes.

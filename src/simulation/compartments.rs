@@ -99,28 +99,13 @@ impl<'p> Ready<'p> {
                 Ok(found)
             })
             .collect();
-        let mut tally = Tally {
+        let tally = Tally {
             steps: self.steps(),
             chemistry_seconds: begun.elapsed().as_secs_f64(),
             supplied: vec![0.0; self.plan.reactor.species.len()],
             ..Tally::default()
         };
-        let mut outcome = Outcome { times: self.plan.model.output.times.len(), ..Outcome::default() };
-        for result in found {
-            match result {
-                Ok(Some((share, observed))) => {
-                    tally.reaction_events += share.counters.events;
-                    tally.hops += share.counters.hops;
-                    tally.lost += share.lost;
-                    tally.supplied.iter_mut().zip(&share.supplied).for_each(|(sum, n)| *sum += n);
-                    outcome.observed.push(observed);
-                }
-                Ok(None) => outcome.interrupted = true,
-                Err(error) => outcome.error = outcome.error.or(Some(error)),
-            }
-        }
-        outcome.tally = tally;
-        outcome
+        events::gather(found, tally, self.plan.model.output.times.len())
     }
 
     /// One realization; `None` if it was stopped.

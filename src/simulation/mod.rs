@@ -1,5 +1,6 @@
 //! Realizations: the flow and the chemistry in turn, observed at the output times.
 
+mod at_rest;
 pub mod clock;
 pub mod compartments;
 mod events;

@@ -2,9 +2,11 @@
 
 use super::clock::{Interval, intervals};
 use super::realization::{Realization, Reservoirs, Surroundings};
+use super::events;
 use super::{FlowTally, NotReady, Outcome, Tally, Watch};
 use crate::chemistry::split::{Frozen, StepBounds, step_bounds};
 use crate::error::RunError;
+use crate::model::Method;
 use crate::plan::limits::check_steps;
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
@@ -18,10 +20,10 @@ use std::time::Instant;
 
 /// A particle plan at t = 0: the flow settled, the steps chosen.
 pub struct Ready<'p, const D: usize> {
-    plan: &'p Plan,
-    scene: Scene<'p, D>,
-    frozen: Frozen,
-    start: Start,
+    pub(super) plan: &'p Plan,
+    pub(super) scene: Scene<'p, D>,
+    pub(super) frozen: Frozen,
+    pub(super) start: Start,
     chemistry_step: f64,
     chemistry_limit: String,
     fluid: Option<(f64, String)>,
@@ -55,6 +57,22 @@ impl<'p, const D: usize> Ready<'p, D> {
         check_amounts(plan, &scene.places())?;
         let start = start(plan, &scene.places());
         let frozen = freeze(plan, &scene, &start)?;
+        if event_driven(plan).is_some() {
+            // Events know no step; realizations go from output time to output time.
+            let (chemistry_step, chemistry_limit) = (f64::INFINITY, String::new());
+            let clock = Vec::new();
+            return Ok(Ready {
+                plan,
+                scene,
+                frozen,
+                start,
+                chemistry_step,
+                chemistry_limit,
+                fluid,
+                clock,
+                fluid_seconds,
+            });
+        }
         let bounds = bounds(plan, &scene, &frozen, &start);
         let automatic = (bounds.step(), bounds.limited_by().to_string());
         let (chemistry_step, chemistry_limit) = match plan.model.chemistry.step {
@@ -71,6 +89,13 @@ impl<'p, const D: usize> Ready<'p, D> {
     /// Steps and what limits them.
     #[must_use]
     pub fn steps(&self) -> StepsRecord {
+        if let Some(method) = event_driven(self.plan) {
+            return StepsRecord {
+                method: events::words(method).into(),
+                approximations: events::approximations(method, &self.plan.model.chemistry),
+                ..StepsRecord::default()
+            };
+        }
         let longest = self.clock.iter().map(Interval::tick).fold(0.0, f64::max);
         let ticks: u64 = self.clock.iter().map(|i| i.ticks).sum();
         let limited_by = if longest < 0.5 * self.chemistry_step {
@@ -125,6 +150,9 @@ impl<'p, const D: usize> Ready<'p, D> {
     pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
         let mut tally = Tally { steps: self.steps(), fluid_seconds: self.fluid_seconds, ..Tally::default() };
         tally.supplied = vec![0.0; self.plan.reactor.species.len()];
+        if let Some(method) = event_driven(self.plan) {
+            return self.run_events(realizations, method, tally, watch);
+        }
         let members: Vec<Realization> =
             realizations.iter().map(|&number| Realization::new(self.plan, &self.start, number)).collect();
         if self.fluid.is_some() {
@@ -282,6 +310,11 @@ fn advance(
         }
         _ => true,
     });
+}
+
+/// The method, if it is event driven; the plan has seen to it that the particles then rest.
+fn event_driven(plan: &Plan) -> Option<Method> {
+    plan.model.chemistry.method.filter(|method| method.event_driven())
 }
 
 /// The chemistry's view of a scene.
