@@ -42,7 +42,7 @@ pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usiz
             .map(|(s, species)| SpeciesRecord {
                 name: species.name.clone(),
                 diffusion: species.diffusion,
-                representation: if plan.reactor.discrete[s] { "discrete" } else { "continuous" }.into(),
+                representation: plan.representation(s).into(),
                 only_in: species.only_in.iter().flatten().map(|named| named.name.clone()).collect(),
             })
             .collect(),
@@ -326,6 +326,13 @@ pub fn conditions(model: &Model) -> Vec<String> {
     let species = |list: &[(usize, crate::model::Amount)]| -> String {
         list.iter().map(|(s, _)| model.network.species[*s].name.as_str()).collect::<Vec<_>>().join(", ")
     };
+    let name = |s: usize| model.network.species[s].name.as_str();
+    let wall_name = |wall: &WallName| match wall {
+        WallName::Group(g) => group(*g).to_string(),
+        WallName::Side { axis, upper } => {
+            format!("{}_{}", axis_name(*axis), if *upper { "max" } else { "min" })
+        }
+    };
     domain
         .conditions
         .iter()
@@ -358,12 +365,20 @@ pub fn conditions(model: &Model) -> Vec<String> {
                     let at = if *at == 0.0 { "0".into() } else { show_vector(&[*at], "m") };
                     format!("no diffusion across {} = {at}", axis_name(*axis))
                 }
-                What::MovingWall { wall, .. } => match wall {
-                    WallName::Group(g) => format!("moving wall {}", group(*g)),
-                    WallName::Side { axis, upper } => {
-                        format!("moving wall {}_{}", axis_name(*axis), if *upper { "max" } else { "min" })
-                    }
-                },
+                What::MovingWall { wall, .. } => format!("moving wall {}", wall_name(wall)),
+                What::Flux { wall, species } => {
+                    let each = species
+                        .iter()
+                        .map(|&(s, flux)| format!("{} {} 1/m²/s", name(s), significant(flux, 4)));
+                    format!("flux through {}: {}", wall_name(wall), each.collect::<Vec<_>>().join(", "))
+                }
+                What::Absorbing { wall, species } => {
+                    let each = species.iter().map(|&(s, kappa)| match kappa.is_finite() {
+                        true => format!("{} at {} m/s", name(s), significant(kappa, 4)),
+                        false => format!("{} perfectly", name(s)),
+                    });
+                    format!("{} absorbs {}", wall_name(wall), each.collect::<Vec<_>>().join(", "))
+                }
                 What::Force { acceleration } => format!("body force {}", vector(acceleration, "m/s²")),
             };
             format!("{}: {words}", condition.name)

@@ -24,6 +24,8 @@ pub enum Purpose {
     Reservoirs = 5,
     /// Thermal noise of the fluid.
     Noise = 6,
+    /// Change of a species between whole molecules and real amounts.
+    Representation = 7,
 }
 
 /// The stream of one purpose in one realization of a run with this seed.

@@ -3,8 +3,10 @@
 use crate::chemistry::GroupSet;
 use crate::chemistry::Links;
 use crate::error::RunError;
+use crate::fluid::surface::{Facing, Surface, facing};
 use crate::fluid::{Flow, Snapshot, Voxels, exchange};
 use crate::geometry::shape::embed;
+use crate::model::conditions::WallName;
 use crate::plan::ParticlePlan;
 use crate::plan::start::Voxels as Places;
 use crate::vector::Vector;
@@ -80,6 +82,32 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// Conductances between the particles as they are now, for species that live in the groups of `habitat`.
     #[must_use]
     pub fn links(&self, habitat: GroupSet) -> Links {
+        self.for_habitat(habitat, |voxels| exchange::links(voxels, &self.plan.kernel(), self.plan.thickness))
+    }
+
+    /// Voxels that face a surface of the plan, among those of the groups of `habitat`.
+    #[must_use]
+    pub fn facing(&self, surface: usize, habitat: GroupSet) -> Vec<Facing> {
+        let wall = match self.plan.surfaces[surface] {
+            WallName::Side { axis, upper } => return self.faces(habitat, Surface::Side { axis, upper }),
+            WallName::Group(g) => g,
+        };
+        let Some((group, shape)) = self.plan.still.iter().find(|(group, _)| usize::from(*group) == wall)
+        else {
+            return Vec::new(); // refused when the plan was made
+        };
+        let members: Vec<bool> = self.plan.home.iter().map(|home| home == group).collect();
+        let distance = |x: &Vector<D>| shape.signed_distance(&embed(x));
+        self.faces(habitat, Surface::Body { members: &members, distance: &distance })
+    }
+
+    fn faces(&self, habitat: GroupSet, surface: Surface<D>) -> Vec<Facing> {
+        let (kernel, thickness) = (self.plan.kernel(), self.plan.thickness);
+        self.for_habitat(habitat, |voxels| facing(voxels, &kernel, thickness, surface))
+    }
+
+    /// What `see` makes of the particles as hosts of the species that live in the groups of `habitat`.
+    fn for_habitat<T>(&self, habitat: GroupSet, see: impl FnOnce(&Voxels<D>) -> T) -> T {
         let hosts: Vec<bool> = self.plan.home.iter().map(|&home| habitat.holds(home)).collect();
         // What stays where it is and does not hold the species is in its way.
         let distances: Vec<_> = self
@@ -91,15 +119,14 @@ impl<'p, const D: usize> Scene<'p, D> {
             .collect();
         let obstacles: Vec<&(dyn Fn(&Vector<D>) -> f64 + Sync)> =
             distances.iter().map(|distance| distance as &(dyn Fn(&Vector<D>) -> f64 + Sync)).collect();
-        let voxels = Voxels {
+        see(&Voxels {
             positions: &self.snapshot.position,
             volumes: &self.snapshot.volume,
             hosts: &hosts,
             domain: &self.plan.domain,
             barriers: &self.plan.barriers,
             obstacles: &obstacles,
-        };
-        exchange::links(&voxels, &self.plan.kernel(), self.plan.thickness)
+        })
     }
 
     /// The voxels as the start of the chemistry sees them.

@@ -69,7 +69,7 @@ pub fn stoichiometry(network: &Network) -> DMatrix<i32> {
 #[must_use]
 pub fn depends_on(reaction: &Reaction) -> Vec<usize> {
     let mut species = match &reaction.rate {
-        Rate::MassAction(_) => reaction.reactants.iter().map(|&(s, _)| s).collect(),
+        Rate::MassAction(_) | Rate::Surface(_) => reaction.reactants.iter().map(|&(s, _)| s).collect(),
         Rate::Law(program) => program.uses(),
     };
     species.sort_unstable();

@@ -6,7 +6,7 @@ mod svg;
 pub use svg::svg;
 
 use crate::chemistry::analysis::{analyse, conservation_words};
-use crate::chemistry::network::{Kinetics, Network, Representation};
+use crate::chemistry::network::{Kinetics, Network};
 use crate::chemistry::words::{number, propensity_words};
 use std::fmt::Write as _;
 
@@ -28,10 +28,7 @@ pub fn text(network: &Network) -> String {
             let names: Vec<&str> = groups.iter().map(|g| g.name.as_str()).collect();
             words.push(format!("only in {}", names.join(", ")));
         }
-        words.extend(species.representation.map(|r| match r {
-            Representation::Discrete => "discrete".to_string(),
-            Representation::Continuous => "continuous".to_string(),
-        }));
+        words.extend(species.representation.map(|r| r.name().to_string()));
         push_row(&mut out, &species.name, width, &words.join(", "));
     }
     let _ = writeln!(out, "\nreactions ({})", network.reactions.len());

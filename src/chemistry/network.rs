@@ -21,6 +21,27 @@ pub enum Representation {
     Discrete,
     /// A real amount, by rate equations.
     Continuous,
+    /// Whole molecules where they are few, a real amount where they are many, voxel by voxel.
+    Hybrid,
+}
+
+impl Representation {
+    /// The name in models and records.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Representation::Discrete => "discrete",
+            Representation::Continuous => "continuous",
+            Representation::Hybrid => "hybrid",
+        }
+    }
+
+    /// All of them by name, as a user writes them.
+    pub const NAMED: [(&'static str, Representation); 3] = [
+        ("discrete", Representation::Discrete),
+        ("continuous", Representation::Continuous),
+        ("hybrid", Representation::Hybrid),
+    ];
 }
 
 /// A declared species.
@@ -51,6 +72,37 @@ pub enum Rate {
     /// An expression of species (its variables are numbered like the species), parameters folded in:
     /// mol/m³/s of concentrations in mol/m³, or events/s of counts, by the network's kinetics.
     Law(Program),
+    /// Through a surface of the domain, in the voxels that face it.
+    Surface(Surface),
+}
+
+/// What a surface does to a species; the number of the surface is the domain's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    pub number: usize,
+    pub kind: SurfaceKind,
+}
+
+/// How molecules pass a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SurfaceKind {
+    /// Enter at so many molecules/(m² s).
+    Flux(f64),
+    /// Leave at κ times the concentration at the wall, κ in m/s; infinite for a wall that absorbs all.
+    Absorption(f64),
+}
+
+impl SurfaceKind {
+    /// Events per second in a voxel of volume `volume` m³ with `area` m² of the surface at `distance` m from it,
+    /// per molecule for absorption, of a species of diffusivity `diffusivity` m²/s:
+    /// J A, and κ A / V (1 + κ s / D), the loss from a linear profile with D dC/ds = κ C at the wall.
+    #[must_use]
+    pub fn weight(self, volume: f64, area: f64, distance: f64, diffusivity: f64) -> f64 {
+        match self {
+            SurfaceKind::Flux(flux) => flux * area,
+            SurfaceKind::Absorption(kappa) => area / volume / (kappa.recip() + distance / diffusivity),
+        }
+    }
 }
 
 /// One direction of a declared reaction; species by index into [`Network::species`].

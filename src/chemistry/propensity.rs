@@ -114,6 +114,8 @@ impl Propensities {
                     };
                     (mass_action_form(&reaction.reactants), rate, exponent)
                 }
+                // The whole of the factor is the voxel's weight.
+                Rate::Surface(_) => (mass_action_form(&reaction.reactants), 1.0, 0),
                 Rate::Law(program) => {
                     reads.extend(program.uses().into_iter().map(|s| s as u32));
                     laws.push(program.clone());
@@ -152,6 +154,18 @@ impl Propensities {
     #[must_use]
     pub fn len(&self) -> usize {
         self.compiled.len()
+    }
+
+    /// Number of species.
+    #[must_use]
+    pub fn species(&self) -> usize {
+        self.discrete.len()
+    }
+
+    /// Whether species `s` is taken as whole molecules.
+    #[must_use]
+    pub fn whole(&self, s: usize) -> bool {
+        self.discrete[s]
     }
 
     /// Whether there is no reaction.

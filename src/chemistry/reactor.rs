@@ -1,6 +1,6 @@
 //! What the samplers need to know of a domain besides amounts, volumes and links.
 
-use crate::chemistry::network::Network;
+use crate::chemistry::network::{Network, Rate};
 use crate::chemistry::propensity::Propensities;
 use crate::chemistry::words::propensity_words;
 use crate::error::RunError;
@@ -35,8 +35,9 @@ pub struct Reactor {
     pub reactions: Vec<String>,
     /// Propensities of the reactions in words, for messages.
     pub expressions: Vec<String>,
+    /// Propensities where every hybrid species is discrete.
     pub propensities: Propensities,
-    /// Whether a species is carried as whole molecules.
+    /// Whether a species is carried as whole molecules, hybrid ones included.
     pub discrete: Vec<bool>,
     /// Diffusivity of each species, m²/s.
     pub diffusivity: Vec<f64>,
@@ -46,6 +47,48 @@ pub struct Reactor {
     pub active: Vec<GroupSet>,
     /// Home groups in which every species that a reaction changes may live; it happens in no other.
     pub livable: Vec<GroupSet>,
+    /// Whether a reaction leads through a surface; it happens in the voxels that face it.
+    pub surface: Vec<bool>,
+    /// Species that are discrete or continuous voxel by voxel, if there are any.
+    pub hybrid: Option<Hybrid>,
+}
+
+/// Species that are carried as whole molecules where they are few and as real amounts where they are many.
+///
+/// A voxel's mode is a set of bits: bit k is set where `species[k]` is continuous.
+#[derive(Clone, Debug)]
+pub struct Hybrid {
+    pub species: Vec<usize>,
+    /// Molecules in a voxel from which on a species becomes continuous.
+    pub above: f64,
+    /// Molecules in a voxel below which it becomes discrete again.
+    pub below: f64,
+    /// Propensities by mode.
+    variants: Vec<Propensities>,
+}
+
+impl Hybrid {
+    /// Most species that can be hybrid: there is a table of propensities for every mode.
+    pub const MOST: usize = 8;
+
+    /// Bit of a species; 0 if it is not hybrid.
+    #[must_use]
+    pub fn bit(&self, s: usize) -> u8 {
+        self.species.iter().position(|&h| h == s).map_or(0, |k| 1 << k)
+    }
+
+    /// Propensities in a voxel of mode `mode`.
+    #[inline]
+    #[must_use]
+    pub fn propensities(&self, mode: u8) -> &Propensities {
+        &self.variants[usize::from(mode)]
+    }
+
+    /// Number of modes.
+    #[must_use]
+    pub fn modes(&self) -> usize {
+        self.variants.len()
+    }
 }
 
 impl Reactor {
@@ -66,6 +109,38 @@ impl Reactor {
                 .iter()
                 .map(|r| r.change().iter().fold(GroupSet::ALL, |set, &(s, _)| GroupSet(set.0 & habitat[s].0)))
                 .collect(),
+            surface: network.reactions.iter().map(|r| matches!(r.rate, Rate::Surface(_))).collect(),
+            hybrid: None,
+        }
+    }
+
+    /// Makes `species` (at most [`Hybrid::MOST`], discrete so far) hybrid between the two thresholds, molecules
+    /// in a voxel. The network is the one the reactor was compiled from.
+    #[must_use]
+    pub fn with_hybrid(mut self, network: &Network, species: Vec<usize>, above: f64, below: f64) -> Reactor {
+        if species.is_empty() {
+            return self;
+        }
+        let variants = (0..1_usize << species.len().min(Hybrid::MOST))
+            .map(|mode| {
+                let mut discrete = self.discrete.clone();
+                for (k, &s) in species.iter().enumerate() {
+                    discrete[s] &= mode >> k & 1 == 0;
+                }
+                Propensities::compile(network, &discrete)
+            })
+            .collect();
+        self.hybrid = Some(Hybrid { species, above, below, variants });
+        self
+    }
+
+    /// Propensities in a voxel of mode `mode`.
+    #[inline]
+    #[must_use]
+    pub fn propensities_in(&self, mode: u8) -> &Propensities {
+        match &self.hybrid {
+            Some(hybrid) => hybrid.propensities(mode),
+            None => &self.propensities,
         }
     }
 

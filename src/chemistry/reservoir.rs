@@ -19,8 +19,8 @@ impl SplitState {
     /// linear network stays exactly Poisson. Continuous amounts become the mean itself.
     pub fn deal_held(&mut self, reactor: &Reactor, voxels: &[u32], species: usize, means: &[f64]) {
         for (&voxel, &mean) in voxels.iter().zip(means) {
-            let amount =
-                if reactor.discrete[species] { poisson(&mut self.reservoirs, mean) as f64 } else { mean };
+            let whole = self.whole(reactor, voxel as usize, species);
+            let amount = if whole { poisson(&mut self.reservoirs, mean) as f64 } else { mean };
             self.put(voxel, species, amount);
             self.emit_by(voxel as usize * self.supplied.len() + species, mean);
         }
@@ -46,7 +46,7 @@ impl SplitState {
                 continue;
             }
             let before = self.amounts[slot];
-            let after = if reactor.discrete[species] {
+            let after = if self.whole(reactor, voxel as usize, species) {
                 let random = &mut self.reservoirs;
                 before - binomial(random, before as u64, gone) as f64 + poisson(random, target * gone) as f64
             } else {

@@ -7,11 +7,15 @@
 mod bounds;
 mod diffuse;
 mod frozen;
+mod kinds;
+mod mixed;
+mod modes;
 mod react;
 mod snapshot;
 
 pub use bounds::{StepBounds, step_bounds};
 pub use frozen::Frozen;
+pub use modes::Modes;
 pub use snapshot::Snapshot;
 
 use crate::chemistry::diffusion::continuous::Flow;
@@ -21,6 +25,7 @@ use crate::chemistry::reactor::Reactor;
 use crate::chemistry::sampling_numbers::exponential;
 use crate::error::RunError;
 use crate::random::{Purpose, Stream, stream};
+use mixed::Mixture;
 
 /// What happened so far in a realization.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -48,13 +53,19 @@ pub struct SplitState {
     clocks: Vec<f64>,
     /// Mean by which a held amount emits if that is not the amount itself; empty or one per amount.
     held_mean: Vec<f64>,
+    /// Expected number of events that did not happen because a continuous amount held less than a molecule.
+    pub withheld: f64,
+    /// How the hybrid species are carried in each voxel.
+    pub modes: Modes,
     reactions: Stream,
     hops: Stream,
     pub(super) reservoirs: Stream,
+    changing: Stream,
     walkers: Walkers,
     flow: Flow,
     equations: RateEquations,
     propensities: Vec<f64>,
+    mixture: Mixture,
 }
 
 impl SplitState {
@@ -75,10 +86,14 @@ impl SplitState {
             reactions,
             hops: stream(seed, realization, Purpose::Diffusion),
             reservoirs: stream(seed, realization, Purpose::Reservoirs),
+            changing: stream(seed, realization, Purpose::Representation),
+            withheld: 0.0,
+            modes: Modes::new(reactor, voxels),
             walkers: Walkers::default(),
             flow: Flow::default(),
             equations: RateEquations::default(),
             propensities: Vec::new(),
+            mixture: Mixture::default(),
         }
     }
 
@@ -92,16 +107,26 @@ impl SplitState {
         self.react(reactor, frozen, time + 0.5 * dt, 0.5 * dt)
     }
 
-    /// Net molecules of species `s` that sampled reactions made so far.
+    /// Net molecules of species `s` that reactions made so far: events, and for hybrid species the extents of
+    /// the rate equations.
     #[must_use]
     pub fn made(&self, reactor: &Reactor, s: usize) -> f64 {
-        reactor.made(&self.fired, s)
+        let by_equations: f64 = self
+            .modes
+            .extents()
+            .iter()
+            .enumerate()
+            .flat_map(|(r, extent)| reactor.propensities.changes(r).iter().map(move |c| (c, extent)))
+            .filter(|(change, _)| change.0 as usize == s)
+            .map(|(change, extent)| change.1 * extent)
+            .sum();
+        reactor.made(&self.fired, s) + by_equations
     }
 
-    /// Molecules of species `s` in all voxels.
+    /// Molecules of species `s` in all voxels, and what rounding of a hybrid species left over.
     #[must_use]
     pub fn total(&self, s: usize) -> f64 {
-        self.amounts.iter().skip(s).step_by(self.supplied.len()).sum()
+        self.amounts.iter().skip(s).step_by(self.supplied.len()).sum::<f64>() + self.modes.left_over(s)
     }
 
     /// Notes that held amount `slot` emits by `mean` instead of the amount it shows.

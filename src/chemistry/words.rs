@@ -1,6 +1,6 @@
 //! Propensities in words, with their numbers, so that a reader sees every factor of two.
 
-use crate::chemistry::network::{Kinetics, Network, Rate, Reaction};
+use crate::chemistry::network::{Kinetics, Network, Rate, Reaction, SurfaceKind};
 use crate::quantity::Dimension;
 
 /// The propensity of a reaction in words: `a = 1 m^3/mol/s / (N_A V) * X_R * X_L`.
@@ -12,6 +12,7 @@ use crate::quantity::Dimension;
 pub fn propensity_words(network: &Network, reaction: &Reaction) -> String {
     let mut text = match &reaction.rate {
         Rate::MassAction(k) => mass_action(network, reaction, *k),
+        Rate::Surface(surface) => through_surface(network, reaction, surface.kind),
         Rate::Law(program) => {
             let names: Vec<&str> = program.uses().iter().map(|&s| network.species[s].name.as_str()).collect();
             let what = names.join(", ");
@@ -29,6 +30,18 @@ pub fn propensity_words(network: &Network, reaction: &Reaction) -> String {
         text.push_str(&format!(", {} changes by {change:+}", network.species[s].name));
     }
     text
+}
+
+/// A is the voxel's share of the surface, s its distance from it.
+fn through_surface(network: &Network, reaction: &Reaction, kind: SurfaceKind) -> String {
+    let species = reaction.reactants.first().map_or("", |&(s, _)| network.species[s].name.as_str());
+    match kind {
+        SurfaceKind::Flux(flux) => format!("a = {} 1/m^2/s * A", number(flux)),
+        SurfaceKind::Absorption(kappa) if kappa.is_finite() => {
+            format!("a = A / V / (1 / ({} m/s) + s / D) * X_{species}", number(kappa))
+        }
+        SurfaceKind::Absorption(_) => format!("a = A / V * D / s * X_{species}"),
+    }
 }
 
 fn mass_action(network: &Network, reaction: &Reaction, k: f64) -> String {

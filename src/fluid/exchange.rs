@@ -109,7 +109,7 @@ fn both_ways(n: usize, pairs: &[(u32, u32, f64)]) -> Links {
 impl<const D: usize> Voxels<'_, D> {
     /// Places of the first `n` particles and of the mirror images of hosts within `reach` of a side that is not
     /// periodic, and the particle each stands for.
-    fn with_images(&self, n: usize, reach: f64) -> (Vec<Vector<D>>, Vec<u32>) {
+    pub(super) fn with_images(&self, n: usize, reach: f64) -> (Vec<Vector<D>>, Vec<u32>) {
         let mut places = self.positions[..n].to_vec();
         let mut original: Vec<u32> = (0..n as u32).collect();
         for k in (0..D).filter(|&k| !self.domain.periodic[k]) {
@@ -130,14 +130,14 @@ impl<const D: usize> Voxels<'_, D> {
     }
 
     /// Whether the way -x from a place leads through an obstacle, judged at its quarters.
-    fn obstructed(&self, from: &Vector<D>, x: &Vector<D>, cutoff: f64) -> bool {
+    pub(super) fn obstructed(&self, from: &Vector<D>, x: &Vector<D>, cutoff: f64) -> bool {
         self.obstacles.iter().any(|distance| {
             [0.25, 0.5, 0.75].iter().any(|&part| distance(&(from - x * part)) < -1e-9 * cutoff)
         })
     }
 
     /// Whether the way -x from a place crosses a barrier.
-    fn separated(&self, from: &Vector<D>, x: &Vector<D>) -> bool {
+    pub(super) fn separated(&self, from: &Vector<D>, x: &Vector<D>) -> bool {
         self.barriers.iter().filter(|barrier| barrier.axis < D).any(|barrier| {
             let k = barrier.axis;
             let (a, b) = (from[k] - barrier.at, from[k] - x[k] - barrier.at);

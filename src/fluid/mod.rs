@@ -27,6 +27,7 @@ pub mod particles;
 pub mod pass;
 pub mod setup;
 mod sponge;
+pub mod surface;
 pub mod terms;
 pub mod wall;
 

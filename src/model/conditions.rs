@@ -1,4 +1,7 @@
-//! The `conditions:` of a model: sponges, held values, sources, barriers, moving walls, forces.
+//! The `conditions:` of a model: sponges, held values, sources, barriers, moving walls, forces;
+//! what happens at surfaces.
+
+mod surface;
 
 use super::domain::{Boundary, ParticleDomain};
 use super::groups::Material;
@@ -34,6 +37,10 @@ pub enum What {
     MovingWall { wall: WallName, motion: WallMotion },
     /// An acceleration of all fluid, m/s².
     Force { acceleration: Vector<3> },
+    /// Molecules enter through a surface, molecules/(m² s).
+    Flux { wall: WallName, species: Vec<(usize, f64)> },
+    /// A surface takes molecules up at κ (m/s) times their concentration at it; infinite if it takes all.
+    Absorbing { wall: WallName, species: Vec<(usize, f64)> },
 }
 
 /// A wall: a group, or a side of the box (`x_min`, `x_max`, `y_min`, …).
@@ -76,6 +83,8 @@ pub fn read(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mu
             "barrier" => barrier(body, domain, faults),
             "moving_wall" => moving_wall(body, domain, faults),
             "force" => force(body, domain, faults),
+            "flux" => surface::flux(body, domain, network, faults),
+            "absorbing" => surface::absorbing(body, domain, network, faults),
             other => {
                 faults.at(&kind.place, format!("unknown condition `{other}`"), KINDS);
                 None
@@ -88,7 +97,7 @@ pub fn read(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mu
     found
 }
 
-const KINDS: &str = "kinds are: sponge, held, source, barrier, moving_wall, force";
+const KINDS: &str = "kinds are: sponge, held, source, barrier, moving_wall, force, flux, absorbing";
 
 fn group(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults) -> Option<usize> {
     let node = fields.required("in", faults)?;
@@ -210,7 +219,7 @@ fn barrier(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<
 fn moving_wall(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<What> {
     let d = domain.dimensions;
     let mut fields = Fields::of(node, "moving_wall", faults)?;
-    let wall = wall_named(&mut fields, domain, faults);
+    let wall = solid_wall(&mut fields, domain, faults);
     let velocity = match fields.optional("velocity") {
         Some(n) => Some(pad(&n.vector(Dimension::VELOCITY, d, faults)?)),
         None => None,
@@ -269,9 +278,8 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Opt
     Some(What::MovingWall { wall, motion })
 }
 
-/// The wall that `in` names: a group of wall particles, or a side of the box that is not periodic.
-fn wall_named(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults) -> Option<WallName> {
-    let node = fields.required("in", faults)?;
+/// The wall that a node names: a group, or a side of the box that is not periodic.
+fn wall_named(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<WallName> {
     let name = node.text(faults)?;
     for axis in 0..domain.dimensions {
         for upper in [false, true] {
@@ -289,12 +297,24 @@ fn wall_named(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults)
         }
     }
     let names: Vec<String> = domain.groups.iter().map(|group| group.name.clone()).collect();
-    let group = group_index(name, &node.place, &names, faults)?;
-    if !matches!(domain.groups[group].material, Material::Wall { .. }) {
-        faults.at(&node.place, format!("group `{name}` is no wall"), "set its material: wall");
+    Some(WallName::Group(group_index(name, &node.place, &names, faults)?))
+}
+
+/// The wall that `in` names, made of wall particles.
+fn solid_wall(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults) -> Option<WallName> {
+    let node = fields.required("in", faults)?;
+    let wall = wall_named(node, domain, faults)?;
+    if let WallName::Group(g) = wall
+        && !matches!(domain.groups[g].material, Material::Wall { .. })
+    {
+        faults.at(
+            &node.place,
+            format!("group `{}` is no wall", domain.groups[g].name),
+            "set its material: wall",
+        );
         return None;
     }
-    Some(WallName::Group(group))
+    Some(wall)
 }
 
 fn force(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<What> {

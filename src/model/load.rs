@@ -236,15 +236,13 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
         hops: 0.2,
         change: 0.1,
         tolerance: 0.03, // Cao, Gillespie & Petzold (2006)
+        above: 1000.0,
+        below: 500.0,
     };
     let Some(node) = node else { return Some(chemistry) };
     let mut fields = Fields::of(node, "chemistry", faults)?;
-    let representation = fields.optional("representation").and_then(|n| {
-        n.choice(
-            &[("discrete", Representation::Discrete), ("continuous", Representation::Continuous)],
-            faults,
-        )
-    });
+    let representation =
+        fields.optional("representation").and_then(|n| n.choice(&Representation::NAMED, faults));
     chemistry.representation = representation.unwrap_or(chemistry.representation);
     chemistry.method = fields.optional("method").and_then(|n| n.choice(&Method::NAMES, faults));
     chemistry.step = fields.optional("step").and_then(|n| n.positive(Dimension::TIME, faults));
@@ -268,9 +266,35 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
             None => {}
         }
     }
+    if let Some(n) = fields.optional("hybrid") {
+        thresholds(n, &mut chemistry, faults);
+    }
     fields.finish(faults);
     Some(chemistry)
 }
+
+/// `hybrid: { above: 1000, below: 500 }`: molecules in a voxel between which a hybrid species stays as it is.
+fn thresholds(node: &Node, chemistry: &mut Chemistry, faults: &mut Faults) {
+    let Some(mut fields) = Fields::of(node, "hybrid", faults) else { return };
+    let above = fields.optional("above").and_then(|n| n.positive(Dimension::NONE, faults));
+    let below = fields.optional("below").and_then(|n| n.positive(Dimension::NONE, faults));
+    fields.finish(faults);
+    chemistry.above = above.unwrap_or(chemistry.above);
+    chemistry.below = below.unwrap_or(0.5 * chemistry.above);
+    if !(chemistry.below >= FEWEST && chemistry.below < chemistry.above) {
+        faults.at(
+            &node.place,
+            format!(
+                "hybrid species would be continuous from {} molecules on and discrete below {}",
+                chemistry.above, chemistry.below
+            ),
+            format!("`below` lies between {FEWEST} and `above`, so that numbers near it do not change over and over"),
+        );
+    }
+}
+
+/// Fewer molecules than this in a voxel are never carried as a real amount by choice of the program.
+const FEWEST: f64 = 10.0;
 
 /// A species may be called neither like a group nor, on particles, like a column of their table.
 fn check_names(network: &Network, domain: &domain::Domain, faults: &mut Faults) {

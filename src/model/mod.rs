@@ -70,6 +70,10 @@ pub struct Chemistry {
     pub change: f64,
     /// Largest expected relative change of a propensity in a leap of tau-leaping.
     pub tolerance: f64,
+    /// Molecules in a voxel from which on a hybrid species is continuous there, and below which it is discrete
+    /// again.
+    pub above: f64,
+    pub below: f64,
 }
 
 /// Sampling methods by name.

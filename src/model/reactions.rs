@@ -54,9 +54,6 @@ pub fn read(node: &Node, faults: &mut Faults) -> Option<Network> {
 const KINETICS: &[(&str, Kinetics)] =
     &[("concentration", Kinetics::Concentration), ("molecules", Kinetics::Molecules)];
 
-const REPRESENTATIONS: &[(&str, Representation)] =
-    &[("discrete", Representation::Discrete), ("continuous", Representation::Continuous)];
-
 /// What the reactions of a file may refer to.
 struct Scope<'a> {
     kinetics: Kinetics,
@@ -97,7 +94,7 @@ fn read_species(node: &Node, faults: &mut Faults) -> Vec<Species> {
                 .unwrap_or(species.diffusion);
             species.only_in = of.optional("only_in").and_then(|n| read_groups(n, faults));
             species.representation =
-                of.optional("representation").and_then(|n| n.choice(REPRESENTATIONS, faults));
+                of.optional("representation").and_then(|n| n.choice(&Representation::NAMED, faults));
             of.finish(faults);
         }
         if allowed(key, "species", faults) && !all.iter().any(|s| s.name == key.name) {

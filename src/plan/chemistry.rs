@@ -2,48 +2,79 @@
 
 use super::Column;
 use crate::chemistry::analysis::Analysis;
-use crate::chemistry::network::Named;
+use crate::chemistry::network::{Named, Surface, SurfaceKind};
+use crate::chemistry::reactor::Hybrid;
 use crate::chemistry::{GroupSet, Network, Rate, Reaction, Reactor, Representation};
 use crate::error::Fault;
 use crate::model::conditions::What;
 use crate::model::{Domain, Material, Model};
 
-/// The network with one zero-order reaction for each source among the conditions.
+/// The network with the conditions that act like reactions: one zero-order reaction for each source, one for each
+/// species that enters or leaves through a surface.
 #[must_use]
-pub fn with_sources(model: &Model) -> Network {
+pub fn with_conditions(model: &Model) -> Network {
     let mut network = model.network.clone();
     let Domain::Particles(domain) = &model.domain else { return network };
+    let mut surfaces = 0;
     for condition in &domain.conditions {
-        let What::Source { group, species } = &condition.what else { continue };
-        for &(s, rate) in species {
-            let name = &network.species[s].name;
+        let mut add = |s: usize, enters: bool, rate: Rate, only_in: Option<Vec<Named>>| {
+            let name = network.species[s].name.clone();
+            let (reactants, products) = if enters { (vec![], vec![(s, 1)]) } else { (vec![(s, 1)], vec![]) };
             network.reactions.push(Reaction {
+                equation: if enters { format!("0 -> {name}") } else { format!("{name} -> 0") },
                 name: format!("{} {name}", condition.name),
-                equation: format!("0 -> {name}"),
-                reactants: Vec::new(),
-                products: vec![(s, 1)],
-                rate: Rate::MassAction(rate),
-                only_in: Some(vec![Named {
-                    name: domain.groups[*group].name.clone(),
-                    place: condition.place.clone(),
-                }]),
+                reactants,
+                products,
+                rate,
+                only_in,
                 place: condition.place.clone(),
             });
+        };
+        match &condition.what {
+            What::Source { group, species } => {
+                let place = condition.place.clone();
+                let group = Named { name: domain.groups[*group].name.clone(), place };
+                for &(s, rate) in species {
+                    add(s, true, Rate::MassAction(rate), Some(vec![group.clone()]));
+                }
+            }
+            What::Flux { species, .. } => {
+                for &(s, flux) in species {
+                    let kind = SurfaceKind::Flux(flux);
+                    add(s, true, Rate::Surface(Surface { number: surfaces, kind }), None);
+                }
+                surfaces += 1;
+            }
+            What::Absorbing { species, .. } => {
+                for &(s, kappa) in species {
+                    let kind = SurfaceKind::Absorption(kappa);
+                    add(s, false, Rate::Surface(Surface { number: surfaces, kind }), None);
+                }
+                surfaces += 1;
+            }
+            _ => {}
         }
     }
     network
 }
 
-/// Whether each species is carried as whole molecules.
+/// How each species is carried.
+fn representation(model: &Model, network: &Network, s: usize) -> Representation {
+    network.species[s].representation.unwrap_or(model.chemistry.representation)
+}
+
+/// Hybrid species.
+#[must_use]
+pub fn hybrid(model: &Model, network: &Network) -> Vec<usize> {
+    let count = network.species.len();
+    (0..count).filter(|&s| representation(model, network, s) == Representation::Hybrid).collect()
+}
+
+/// Whether each species is carried as whole molecules, hybrid ones included.
 #[must_use]
 pub fn discrete(model: &Model, network: &Network) -> Vec<bool> {
-    network
-        .species
-        .iter()
-        .map(|species| {
-            species.representation.unwrap_or(model.chemistry.representation) == Representation::Discrete
-        })
-        .collect()
+    let count = network.species.len();
+    (0..count).map(|s| representation(model, network, s) != Representation::Continuous).collect()
 }
 
 /// Classes of volumes for `only_in`: the class of each volume, and for each named group its classes.
@@ -123,7 +154,20 @@ pub fn reactor(
     }
     let active: Vec<GroupSet> =
         network.reactions.iter().map(|r| set_of(r.only_in.as_ref(), &names, groups)).collect();
+    let hybrid = hybrid(model, network);
+    if hybrid.len() > Hybrid::MOST {
+        faults.push(Fault::at(
+            &model.places.chemistry,
+            format!("{} species are hybrid; at most {} can be", hybrid.len(), Hybrid::MOST),
+            "give those whose numbers stay small representation: discrete, and the abundant ones continuous",
+        ));
+    }
     let reactor = Reactor::new(network, &discrete, &habitat, &active);
+    let reactor = if hybrid.len() > Hybrid::MOST {
+        reactor
+    } else {
+        reactor.with_hybrid(network, hybrid, model.chemistry.above, model.chemistry.below)
+    };
     let homes = match &model.domain {
         Domain::Particles(domain) => (1_u64 << domain.groups.len()) - 1,
         _ => u64::MAX,

@@ -1,5 +1,6 @@
 //! Which method samples the chemistry: by name, or by the size of the network and the number of voxels.
 
+use super::chemistry::hybrid;
 use crate::chemistry::Network;
 use crate::error::Fault;
 use crate::model::{Method, Model, ParticleDomain};
@@ -10,7 +11,7 @@ use crate::model::{Method, Model, ParticleDomain};
 const FEW_REACTIONS: usize = 48;
 
 /// The method for compartments, if the model names none:
-/// - split where a species is continuous;
+/// - split where a species is continuous or hybrid;
 /// - one volume: direct up to [`FEW_REACTIONS`] reactions, composition-rejection above;
 /// - a graph: next subvolume up to [`FEW_REACTIONS`] reactions in each volume, composition-rejection above.
 pub fn method(
@@ -20,7 +21,7 @@ pub fn method(
     volumes: usize,
     faults: &mut Vec<Fault>,
 ) -> Method {
-    let all_discrete = discrete.iter().all(|&d| d);
+    let all_discrete = all_discrete(model, network, discrete);
     match model.chemistry.method {
         None if !all_discrete => Method::Split,
         None if network.reactions.len() > FEW_REACTIONS => Method::CompositionRejection,
@@ -34,7 +35,13 @@ pub fn method(
 }
 
 /// On particles the split sampler is the choice; event-driven methods only by name, only at rest.
-pub fn check_particles(model: &Model, domain: &ParticleDomain, discrete: &[bool], faults: &mut Vec<Fault>) {
+pub fn check_particles(
+    model: &Model,
+    network: &Network,
+    domain: &ParticleDomain,
+    discrete: &[bool],
+    faults: &mut Vec<Fault>,
+) {
     let Some(method) = model.chemistry.method.filter(|method| method.event_driven()) else { return };
     let mut refuse = |reason: &str, remedy: &str| {
         faults.push(Fault::at(&model.places.chemistry, reason, remedy));
@@ -50,14 +57,18 @@ pub fn check_particles(model: &Model, domain: &ParticleDomain, discrete: &[bool]
             "remove `method`: the split method is exact in each step and as fast",
         );
     }
-    check_discrete(model, method, discrete.iter().all(|&d| d), faults);
+    check_discrete(model, method, all_discrete(model, network, discrete), faults);
+}
+
+fn all_discrete(model: &Model, network: &Network, discrete: &[bool]) -> bool {
+    discrete.iter().all(|&d| d) && hybrid(model, network).is_empty()
 }
 
 fn check_discrete(model: &Model, method: Method, all_discrete: bool, faults: &mut Vec<Fault>) {
     if method.event_driven() && !all_discrete {
         faults.push(Fault::at(
             &model.places.chemistry,
-            "an event-driven method needs discrete species, and some are continuous",
+            "an event-driven method needs discrete species, and some are continuous or hybrid",
             "set method: split, or make all species discrete",
         ));
     }

@@ -5,6 +5,7 @@ pub mod limits;
 pub mod methods;
 pub mod particles;
 pub mod start;
+pub mod surfaces;
 
 use crate::chemistry::analysis::{Analysis, analyse};
 use crate::chemistry::{Links, Network, Reactor};
@@ -16,7 +17,7 @@ pub use particles::ParticlePlan;
 /// A model ready to run.
 pub struct Plan {
     pub model: Model,
-    /// The network with the sources of the conditions added as reactions.
+    /// The network with the conditions that act like reactions added.
     pub network: Network,
     pub analysis: Analysis,
     pub reactor: Reactor,
@@ -54,7 +55,7 @@ impl Plan {
     /// Compiles a model; `realizations` is the number that will run here, for the estimate of memory.
     pub fn new(model: Model, realizations: u32) -> Result<Plan, ModelError> {
         let mut faults = Vec::new();
-        let network = chemistry::with_sources(&model);
+        let network = chemistry::with_conditions(&model);
         let analysis = analyse(&network);
         let discrete = chemistry::discrete(&model, &network);
         limits::check_memory(&model, realizations)?;
@@ -86,7 +87,7 @@ impl Plan {
                 (Arena::Compartments(compartments), groups)
             }
             Domain::Particles(domain) => {
-                methods::check_particles(&model, domain, &discrete, &mut faults);
+                methods::check_particles(&model, &network, domain, &discrete, &mut faults);
                 let groups = (0..domain.groups.len()).map(|g| vec![g as u8]).collect();
                 let arena = match domain.dimensions {
                     1 => Arena::Line(Box::new(ParticlePlan::new(&model, domain, &mut faults))),
@@ -100,6 +101,7 @@ impl Plan {
         let columns = chemistry::columns(&model, &reactor, &groups);
         let plan = Plan { model, network, analysis, reactor, arena, columns };
         start::check(&plan, &mut faults);
+        surfaces::check(&plan, &mut faults);
         if faults.is_empty() { Ok(plan) } else { Err(ModelError::sorted(faults)) }
     }
 
@@ -107,6 +109,17 @@ impl Plan {
     #[must_use]
     pub fn conservation_laws(&self) -> Vec<(String, Vec<f64>)> {
         chemistry::conservation_laws(&self.network, &self.analysis)
+    }
+
+    /// How a species is carried: `discrete`, `continuous` or `hybrid`.
+    #[must_use]
+    pub fn representation(&self, s: usize) -> &'static str {
+        let hybrid = self.reactor.hybrid.as_ref().is_some_and(|hybrid| hybrid.bit(s) != 0);
+        match (hybrid, self.reactor.discrete[s]) {
+            (true, _) => "hybrid",
+            (false, true) => "discrete",
+            (false, false) => "continuous",
+        }
     }
 
     /// Name of a column's group.

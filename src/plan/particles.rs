@@ -36,6 +36,8 @@ pub struct ParticlePlan<const D: usize> {
     pub barriers: Vec<Barrier>,
     pub sponges: Vec<SpongePlan>,
     pub held: Vec<HeldPlan>,
+    /// Surfaces through which molecules enter or leave.
+    pub surfaces: Vec<WallName>,
     /// What the flow is built from, if there is one.
     pub flow: Option<Setup<D>>,
     /// How long the flow runs before t = 0, s.
@@ -163,6 +165,7 @@ impl<const D: usize> ParticlePlan<D> {
             barriers: Vec::new(),
             sponges: Vec::new(),
             held: Vec::new(),
+            surfaces: super::surfaces::surfaces(domain),
             flow: None,
             settle: domain.fluid.as_ref().map_or(0.0, |fluid| fluid.settle),
             finest: domain.groups.iter().map(|group| group.spacing).fold(domain.spacing, f64::min),

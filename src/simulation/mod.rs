@@ -4,6 +4,7 @@ mod at_rest;
 pub mod clock;
 pub mod compartments;
 mod events;
+mod freeze;
 pub mod particles;
 mod realization;
 pub mod watch;

@@ -1,6 +1,7 @@
 //! Realizations on particles: one flow for all of them, or particles at rest.
 
 use super::clock::{Interval, intervals};
+use super::freeze::freeze;
 use super::realization::{Realization, Reservoirs, Surroundings};
 use super::events;
 use super::{FlowTally, NotReady, Outcome, Tally, Watch};
@@ -15,7 +16,6 @@ use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Observed};
 use crate::scene::Scene;
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::time::Instant;
 
 /// A particle plan at t = 0: the flow settled, the steps chosen.
@@ -315,13 +315,6 @@ fn advance(
 /// The method, if it is event driven; the plan has seen to it that the particles then rest.
 fn event_driven(plan: &Plan) -> Option<Method> {
     plan.model.chemistry.method.filter(|method| method.event_driven())
-}
-
-/// The chemistry's view of a scene.
-fn freeze<const D: usize>(plan: &Plan, scene: &Scene<D>, start: &Start) -> Result<Frozen, RunError> {
-    let held: &[bool] = if start.held.iter().any(|&held| held) { &start.held } else { &[] };
-    let links = |habitat| Cow::Owned(scene.links(habitat));
-    Frozen::build_per_habitat(&plan.reactor, links, &scene.volumes, &scene.plan.home, &scene.current, held)
 }
 
 /// Bounds of the chemistry step, from the amounts at the start with the sponges' targets put in.

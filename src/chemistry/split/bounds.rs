@@ -99,9 +99,9 @@ fn fastest_loss(reactor: &Reactor, frozen: &Frozen, amounts: &[f64]) -> (f64, us
             trial[s] = if here { (highest[s] * scale.molar).max(1.0) } else { row[s] };
         }
         loss.fill(0.0);
-        let kind = &frozen.kinds[frozen.kind[i] as usize];
-        for r in kind.sampled.iter().chain(&kind.integrated).map(|&r| r as usize).filter(|&r| coupled[r]) {
-            let flux = propensities.flux_at(r, &trial, scale);
+        let (sampled, integrated) = frozen.reactions(i);
+        for r in sampled.iter().chain(integrated).map(|&r| r as usize).filter(|&r| coupled[r]) {
+            let flux = propensities.flux_at(r, &trial, scale) * frozen.weight(r, i);
             for &(s, change) in propensities.changes(r).iter().filter(|&&(_, change)| change < 0.0) {
                 loss[s as usize] -= change * flux;
             }

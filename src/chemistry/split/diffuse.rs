@@ -41,6 +41,13 @@ impl SplitState {
             }
             let held: Vec<(u32, f64)> =
                 frozen.held_voxels[s].iter().map(|&h| (h, self.emission(h as usize * species + s))).collect();
+            if let Some(hybrid) = reactor.hybrid.as_ref().filter(|hybrid| hybrid.bit(s) != 0) {
+                let k = hybrid.bit(s).trailing_zeros() as usize;
+                for _ in 0..pieces {
+                    self.diffuse_mixed((hybrid, frozen, table), k, &jumps, &held);
+                }
+                continue;
+            }
             for _ in 0..pieces {
                 let state = (self.amounts.as_mut_slice(), s, species);
                 let moved = if reactor.discrete[s] {

@@ -1,19 +1,12 @@
 //! One frozen geometry, built once per chemistry step and shared by all realizations of a flow.
 
+use super::kinds::{Kind, sort_into_kinds};
 use crate::chemistry::diffusion::HopTable;
 use crate::chemistry::links::Links;
 use crate::chemistry::propensity::Scale;
 use crate::chemistry::reactor::{GroupSet, Reactor};
 use crate::error::RunError;
 use std::borrow::Cow;
-
-/// Reactions that happen in voxels of one pair of home and current group.
-#[derive(Clone, Debug)]
-pub(super) struct Kind {
-    groups: (u8, u8),
-    pub sampled: Vec<u32>,
-    pub integrated: Vec<u32>,
-}
 
 /// Volumes, groups, held amounts and hop tables of a geometry that stands still for one step.
 #[derive(Clone, Debug)]
@@ -29,6 +22,9 @@ pub struct Frozen {
     pub(super) kinds: Vec<Kind>,
     /// Kind of each voxel.
     pub(super) kind: Vec<u32>,
+    /// Of each surface reaction, the factor of its propensity by voxel; empty for the others. Empty if there is
+    /// no surface.
+    pub(super) weights: Vec<Vec<f64>>,
     /// Table of each species; `None` for those that do not diffuse.
     pub(super) table: Vec<Option<u32>>,
     pub(super) tables: Vec<HopTable>,
@@ -102,7 +98,7 @@ impl Frozen {
         let held_voxels = (0..species)
             .map(|s| (0..voxels).filter(|&i| is_held(i, s)).map(|i| i as u32).collect())
             .collect();
-        let (kinds, kind) = sort_into_kinds(reactor, home, current);
+        let (kinds, kind) = sort_into_kinds(reactor, home, current, |_| 0);
         Ok(Frozen {
             scales: volumes.iter().map(|&v| Scale::of(v)).collect(),
             held: held.to_vec(),
@@ -110,9 +106,54 @@ impl Frozen {
             held_voxels,
             kinds,
             kind,
+            weights: Vec::new(),
             table,
             tables,
         })
+    }
+
+    /// Lets the surface reactions happen: of each, its number and the factor of its propensity in the voxels
+    /// that face the surface. At most 64.
+    #[must_use]
+    pub fn with_surfaces(
+        mut self,
+        reactor: &Reactor,
+        current: &[u8],
+        surfaces: &[(usize, Vec<(u32, f64)>)],
+    ) -> Frozen {
+        if surfaces.is_empty() {
+            return self;
+        }
+        self.weights = vec![Vec::new(); reactor.propensities.len()];
+        let mut met = vec![0_u64; self.voxels()];
+        let order = (0..reactor.surface.len()).filter(|&r| reactor.surface[r]);
+        for (bit, r) in order.enumerate() {
+            let row = &mut self.weights[r];
+            row.resize(met.len(), 0.0);
+            for &(i, weight) in surfaces.iter().filter(|(q, _)| *q == r).flat_map(|(_, list)| list) {
+                row[i as usize] += weight;
+                met[i as usize] |= 1 << bit;
+            }
+        }
+        (self.kinds, self.kind) = sort_into_kinds(reactor, &self.home, current, |i| met[i]);
+        self
+    }
+
+    /// Reactions that happen in a voxel where every hybrid species is discrete, rising: sampled, integrated.
+    #[must_use]
+    pub fn reactions(&self, voxel: usize) -> (&[u32], &[u32]) {
+        let lists = &self.kinds[self.kind[voxel] as usize].lists[0];
+        (&lists.sampled, &lists.integrated)
+    }
+
+    /// Factor of the propensity of reaction `r` in a voxel: 1 but for surface reactions.
+    #[inline]
+    #[must_use]
+    pub fn weight(&self, r: usize, voxel: usize) -> f64 {
+        match self.weights.get(r) {
+            Some(row) if !row.is_empty() => row[voxel],
+            _ => 1.0,
+        }
     }
 
     /// Number of voxels.
@@ -121,12 +162,13 @@ impl Frozen {
         self.scales.len()
     }
 
-    /// How strongly reaction `r` acts in `voxel`, a factor of its propensity: 1 where it happens, 0 elsewhere.
+    /// How strongly reaction `r` acts in a voxel, a factor of its propensity: zero where it does not happen,
+    /// [`Frozen::weight`] elsewhere.
     #[must_use]
-    pub fn weight(&self, voxel: usize, r: usize) -> f64 {
-        let kind = &self.kinds[self.kind[voxel] as usize];
-        let happens = kind.sampled.iter().chain(&kind.integrated).any(|&q| q as usize == r);
-        if happens { 1.0 } else { 0.0 }
+    pub fn strength(&self, r: usize, voxel: usize) -> f64 {
+        let (sampled, integrated) = self.reactions(voxel);
+        let happens = sampled.iter().chain(integrated).any(|&q| q as usize == r);
+        if happens { self.weight(r, voxel) } else { 0.0 }
     }
 
     /// Hop table of species `s`; `None` if it does not diffuse.
@@ -147,25 +189,4 @@ fn wrong_length(quantity: &str, is: usize, should: usize, voxels: usize) -> RunE
     let remedy = format!("expected {should}, one for each of {voxels} voxels");
     let (quantity, value) = (format!("number of {quantity}"), is as f64);
     RunError::BlowUp { step: 0, time: 0.0, particle: 0, quantity, value, remedy }
-}
-
-/// The distinct pairs of groups with their reactions, and the pair of each voxel.
-fn sort_into_kinds(reactor: &Reactor, home: &[u8], current: &[u8]) -> (Vec<Kind>, Vec<u32>) {
-    let mut kinds: Vec<Kind> = Vec::new();
-    let mut last = 0;
-    let mut kind = Vec::with_capacity(home.len());
-    for groups in home.iter().copied().zip(current.iter().copied()) {
-        if kinds.get(last).is_none_or(|k| k.groups != groups) {
-            last = kinds.iter().position(|k| k.groups == groups).unwrap_or_else(|| {
-                let here =
-                    (0..reactor.propensities.len()).filter(|&r| reactor.happens(r, groups.0, groups.1));
-                let (sampled, integrated): (Vec<u32>, Vec<u32>) =
-                    here.map(|r| r as u32).partition(|&r| reactor.propensities.stochastic(r as usize));
-                kinds.push(Kind { groups, sampled, integrated });
-                kinds.len() - 1
-            });
-        }
-        kind.push(last as u32);
-    }
-    (kinds, kind)
 }

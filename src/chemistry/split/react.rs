@@ -3,7 +3,7 @@
 
 use super::frozen::Frozen;
 use super::{Counters, SplitState};
-use crate::chemistry::rate_equations::Voxel;
+use crate::chemistry::rate_equations::{Books, RateEquations, Voxel};
 use crate::chemistry::reactor::Reactor;
 use crate::chemistry::sampling_numbers::exponential;
 use crate::error::RunError;
@@ -15,45 +15,59 @@ impl SplitState {
     ///
     /// Each voxel carries a unit exponential R from step to step and loses a_0 dt of it; it fires when R
     /// is used up (modified next reaction method, Anderson 2007), which is exact for propensities constant
-    /// between events and costs no random number in a step without an event. Where continuous amounts
-    /// react too, events are framed by two half steps of the rate equations (second order).
+    /// between events and costs no random number in a step without an event. Where events depend on
+    /// continuous amounts that react as well, ∫ a_0 dt is integrated along with the rate equations.
     ///
     /// # Errors
     /// A propensity that is negative or not finite, a count below zero, rate equations that fail.
     pub fn react(&mut self, reactor: &Reactor, frozen: &Frozen, time: f64, dt: f64) -> Result<(), RunError> {
+        self.change_over(reactor, frozen);
         let species = reactor.species_count();
         for i in 0..frozen.voxels() {
-            let kind = &frozen.kinds[frozen.kind[i] as usize];
-            if kind.sampled.is_empty() && kind.integrated.is_empty() {
+            let mode = self.modes.of(i);
+            let lists = &frozen.kinds[frozen.kind[i] as usize].lists[usize::from(mode)];
+            if lists.sampled.is_empty() && lists.integrated.is_empty() {
                 continue;
             }
             let row = i * species..(i + 1) * species;
             let held: &[bool] = if frozen.held.is_empty() { &[] } else { &frozen.held[row.clone()] };
-            let amounts = &mut self.amounts[row];
-            let scale = frozen.scales[i];
-            let equations = Voxel { index: i, scale, reactions: &kind.integrated, held };
-            if kind.sampled.is_empty() {
-                self.equations.advance(reactor, equations, amounts, &mut self.supplied, (time, dt))?;
-                continue;
-            }
-            if !kind.integrated.is_empty() {
-                self.equations.advance(reactor, equations, amounts, &mut self.supplied, (time, 0.5 * dt))?;
-            }
+            let voxel = Voxel {
+                index: i,
+                scale: frozen.scales[i],
+                propensities: reactor.propensities_in(mode),
+                integrated: &lists.integrated,
+                sampled: &lists.sampled,
+                weights: &frozen.weights,
+                held,
+            };
             let mut cell = Cell {
                 reactor,
-                voxel: Voxel { reactions: &kind.sampled, ..equations },
-                amounts,
-                supplied: &mut self.supplied,
+                voxel,
+                amounts: &mut self.amounts[row],
+                books: Books {
+                    supplied: &mut self.supplied,
+                    extents: self.modes.room(lists.integrated.len()),
+                },
                 propensities: &mut self.propensities,
                 counters: &mut self.counters,
                 fired: &mut self.fired,
                 random: &mut self.reactions,
             };
-            cell.fire(&mut self.clocks[i], time, dt)?;
-            if !kind.integrated.is_empty() {
-                let half = (time + 0.5 * dt, 0.5 * dt);
-                self.equations.advance(reactor, equations, amounts, &mut self.supplied, half)?;
+            let clock = &mut self.clocks[i];
+            if lists.integrated.is_empty() {
+                cell.fire(clock, time, dt)?;
+            } else if lists.coupled {
+                cell.fire_along(&mut self.equations, clock, time, dt)?;
+            } else {
+                cell.integrate(&mut self.equations, time, dt)?;
+                if !lists.sampled.is_empty() {
+                    cell.fire(clock, time, dt)?;
+                }
             }
+            for &r in &lists.taking {
+                self.withheld += cell.withheld(r as usize) * dt;
+            }
+            self.modes.book(i, &lists.integrated);
         }
         Ok(())
     }
@@ -64,7 +78,7 @@ struct Cell<'a> {
     reactor: &'a Reactor,
     voxel: Voxel<'a>,
     amounts: &'a mut [f64],
-    supplied: &'a mut [f64],
+    books: Books<'a>,
     propensities: &'a mut Vec<f64>,
     counters: &'a mut Counters,
     fired: &'a mut [u64],
@@ -72,7 +86,7 @@ struct Cell<'a> {
 }
 
 impl Cell<'_> {
-    /// All events of the voxel within `dt`; `clock` is the hazard left until the next one.
+    /// All events of the voxel within `dt`, nothing else changing; `clock` is the hazard left until the next.
     fn fire(&mut self, clock: &mut f64, time: f64, dt: f64) -> Result<(), RunError> {
         let mut left = dt;
         let mut total = self.evaluate(time)?;
@@ -88,15 +102,56 @@ impl Cell<'_> {
         Ok(())
     }
 
-    /// Propensities of all reactions of the voxel; returns their sum.
+    /// All events of the voxel within `dt` while the continuous amounts follow their rate equations.
+    fn fire_along(
+        &mut self,
+        equations: &mut RateEquations,
+        clock: &mut f64,
+        time: f64,
+        dt: f64,
+    ) -> Result<(), RunError> {
+        let mut left = dt;
+        while left > 0.0 {
+            let now = time + dt - left;
+            let (amounts, books) = (&mut *self.amounts, &mut self.books);
+            let span = (now, left);
+            let Some(waited) = equations.advance(self.reactor, self.voxel, amounts, books, clock, span)?
+            else {
+                return Ok(());
+            };
+            left -= waited;
+            *clock = exponential(self.random);
+            let now = time + dt - left;
+            let total = self.evaluate(now)?;
+            if total > 0.0 {
+                let r = self.choose(total);
+                self.apply(r, now)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The rate equations over `dt`, no event being due.
+    fn integrate(&mut self, equations: &mut RateEquations, time: f64, dt: f64) -> Result<(), RunError> {
+        let alone = Voxel { sampled: &[], ..self.voxel };
+        let mut never = f64::INFINITY;
+        let span = (time, dt);
+        equations.advance(self.reactor, alone, self.amounts, &mut self.books, &mut never, span)?;
+        Ok(())
+    }
+
+    /// Propensities of all sampled reactions of the voxel; returns their sum.
     fn evaluate(&mut self, time: f64) -> Result<f64, RunError> {
-        let (reactor, voxel) = (self.reactor, self.voxel);
+        let voxel = self.voxel;
         self.propensities.clear();
         let mut total = 0.0;
-        for &r in voxel.reactions {
-            let a = reactor.propensities.propensity_at(r as usize, self.amounts, voxel.scale);
+        for &r in voxel.sampled {
+            let mut a = voxel.propensities.propensity_at(r as usize, self.amounts, voxel.scale);
+            if !voxel.weights.is_empty() {
+                a *= voxel.weight(r as usize);
+            }
             if !(0.0..f64::INFINITY).contains(&a) {
-                return Err(reactor.bad_propensity(r as usize, a, time, voxel.index, self.amounts));
+                return Err(self.reactor.bad_propensity(r as usize, a, time, voxel.index, self.amounts));
             }
             self.propensities.push(a);
             total += a;
@@ -108,7 +163,7 @@ impl Cell<'_> {
     fn choose(&mut self, total: f64) -> usize {
         let mut left = self.random.random::<f64>() * total;
         let mut chosen = 0;
-        for (&r, &a) in self.voxel.reactions.iter().zip(self.propensities.iter()) {
+        for (&r, &a) in self.voxel.sampled.iter().zip(self.propensities.iter()) {
             if a > 0.0 {
                 chosen = r as usize; // also the last possible one, should rounding leave a sliver
                 if left < a {
@@ -121,10 +176,10 @@ impl Cell<'_> {
     }
 
     fn apply(&mut self, r: usize, time: f64) -> Result<(), RunError> {
-        for &(s, change) in self.reactor.propensities.changes(r) {
+        for &(s, change) in self.voxel.propensities.changes(r) {
             let s = s as usize;
             if self.voxel.held.get(s).copied().unwrap_or(false) {
-                self.supplied[s] -= change; // the reservoir makes good what the reaction changed
+                self.books.supplied[s] -= change; // the reservoir makes good what the reaction changed
                 continue;
             }
             let count = self.amounts[s] + change;
@@ -136,5 +191,14 @@ impl Cell<'_> {
         self.counters.events += 1;
         self.fired[r] += 1;
         Ok(())
+    }
+
+    /// Rate at which reaction `r` would take a whole molecule out of a continuous amount that holds less.
+    fn withheld(&self, r: usize) -> f64 {
+        let voxel = &self.voxel;
+        let short = voxel.propensities.changes(r).iter().any(|&(s, change)| {
+            !voxel.propensities.whole(s as usize) && self.amounts[s as usize] + change < 0.0
+        });
+        if short { voxel.propensities.flux_at(r, self.amounts, voxel.scale) * voxel.weight(r) } else { 0.0 }
     }
 }

@@ -3,7 +3,7 @@
 //! Random streams are not kept: a run that may be resumed opens a new period at fixed model times
 //! ([`SplitState::open_period`]), interrupted or not, and a resumed run opens the same one.
 
-use super::{Counters, SplitState};
+use super::{Counters, Modes, SplitState};
 use crate::chemistry::reactor::Reactor;
 use crate::random::{Purpose, mix, stream};
 use serde::{Deserialize, Serialize};
@@ -20,6 +20,12 @@ pub struct Snapshot {
     pub clocks: Vec<f64>,
     /// Means by which held amounts emit: place among the amounts, and molecules.
     pub emission: Vec<(usize, f64)>,
+    /// How hybrid species are carried.
+    pub modes: Modes,
+    /// Events of each reaction.
+    pub fired: Vec<u64>,
+    /// Expected events withheld.
+    pub withheld: f64,
 }
 
 impl SplitState {
@@ -33,6 +39,9 @@ impl SplitState {
             counters: self.counters,
             clocks: self.clocks.clone(),
             emission: emission.collect(),
+            modes: self.modes.clone(),
+            fired: self.fired.clone(),
+            withheld: self.withheld,
         }
     }
 
@@ -44,6 +53,8 @@ impl SplitState {
         let mut state = SplitState::new(reactor, snapshot.amounts, seed, realization);
         let fits = snapshot.supplied.len() == state.supplied.len()
             && snapshot.clocks.len() == state.clocks.len()
+            && snapshot.fired.len() == state.fired.len()
+            && snapshot.modes.fits(&state.modes)
             && snapshot.emission.iter().all(|&(slot, _)| slot < slots);
         if !fits {
             return None;
@@ -51,6 +62,9 @@ impl SplitState {
         state.supplied = snapshot.supplied;
         state.counters = snapshot.counters;
         state.clocks = snapshot.clocks;
+        state.modes = snapshot.modes;
+        state.fired = snapshot.fired;
+        state.withheld = snapshot.withheld;
         for (slot, mean) in snapshot.emission {
             state.emit_by(slot, mean);
         }
@@ -64,5 +78,6 @@ impl SplitState {
         self.reactions = stream(key, realization, Purpose::Reactions);
         self.hops = stream(key, realization, Purpose::Diffusion);
         self.reservoirs = stream(key, realization, Purpose::Reservoirs);
+        self.changing = stream(key, realization, Purpose::Representation);
     }
 }
