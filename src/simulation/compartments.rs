@@ -124,10 +124,14 @@ impl<'p> Ready<'p> {
         }
         let mut observed = Observed::new(number);
         let found = if let Some((clock, _)) = &self.split {
-            self.step(SplitState::new(&self.plan.reactor, amounts, key.0, key.1), clock, &mut observed, watch)?
+            self.step(
+                SplitState::new(&self.plan.reactor, amounts, key.0, key.1),
+                clock,
+                &mut observed,
+                watch,
+            )?
         } else {
-            let Some(mut method) =
-                events::start(self.arena.method, &model.chemistry, system, amounts, key)?
+            let Some(mut method) = events::start(self.arena.method, &model.chemistry, system, amounts, key)?
             else {
                 return Ok(None);
             };

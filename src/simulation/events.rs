@@ -100,7 +100,9 @@ pub(super) fn gather(
 fn free_totals(system: &System, amounts: &[f64]) -> Vec<f64> {
     let count = system.reactor.species_count();
     let free = |slot: &usize| !system.frozen.is_held(*slot);
-    (0..count).map(|s| (s..amounts.len()).step_by(count).filter(free).map(|slot| amounts[slot]).sum()).collect()
+    (0..count)
+        .map(|s| (s..amounts.len()).step_by(count).filter(free).map(|slot| amounts[slot]).sum())
+        .collect()
 }
 
 /// Name and source of a method.

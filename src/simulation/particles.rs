@@ -1,9 +1,9 @@
 //! Realizations on particles: one flow for all of them, or particles at rest.
 
 use super::clock::{Interval, intervals};
+use super::events;
 use super::freeze::freeze;
 use super::realization::{Realization, Reservoirs, Surroundings};
-use super::events;
 use super::{FlowTally, NotReady, Outcome, Tally, Watch};
 use crate::chemistry::split::{Frozen, StepBounds, step_bounds};
 use crate::error::RunError;

@@ -104,10 +104,8 @@ impl<'a> Channels<'a> {
             }
             self.hand(voxel, s, change);
         }
-        self.ledger.counters = Counters {
-            events: self.ledger.counters.events + times,
-            ..self.ledger.counters
-        };
+        self.ledger.counters =
+            Counters { events: self.ledger.counters.events + times, ..self.ledger.counters };
         self.ledger.fired[r] += times;
         Ok(())
     }
@@ -163,9 +161,7 @@ impl<'a> Channels<'a> {
     fn bad(&self, voxel: usize, column: usize, rate: f64) -> RunError {
         let row = &self.ledger.amounts[voxel * self.species..(voxel + 1) * self.species];
         match self.system.columns[column] {
-            Column::Reaction(r) => {
-                self.system.reactor.bad_propensity(r, rate, self.ledger.time, voxel, row)
-            }
+            Column::Reaction(r) => self.system.reactor.bad_propensity(r, rate, self.ledger.time, voxel, row),
             Column::Hop(s) | Column::Sponge(s) => RunError::NegativeCount {
                 time: self.ledger.time,
                 voxel,

@@ -170,7 +170,8 @@ impl<'a> Flat<'a> {
             return Ok(());
         }
         let reactor = self.system.reactor;
-        let largest = (0..reactor.propensities.len()).max_by(|&a, &b| self.rates[a].total_cmp(&self.rates[b]));
+        let largest =
+            (0..reactor.propensities.len()).max_by(|&a, &b| self.rates[a].total_cmp(&self.rates[b]));
         let r = largest.unwrap_or(0);
         let row = &self.counts[..reactor.species_count()];
         Err(reactor.bad_propensity(r, self.rates[r], self.ledger.time, 0, row))

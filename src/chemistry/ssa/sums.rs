@@ -52,7 +52,8 @@ impl SumTree {
                 k = 2 * k + 1;
             }
         }
-        let rest = if self.nodes[k] > 0.0 { (left / self.nodes[k]).clamp(0.0, 1.0 - f64::EPSILON) } else { 0.0 };
+        let rest =
+            if self.nodes[k] > 0.0 { (left / self.nodes[k]).clamp(0.0, 1.0 - f64::EPSILON) } else { 0.0 };
         (k - self.leaves, rest)
     }
 }
