@@ -235,7 +235,8 @@ mod tests {
             sum_up(&rates, &mut partial);
             let mut before = 0.0;
             for (&sum, &rate) in partial.iter().zip(&rates) {
-                prop_assert!(if rate == 0.0 { sum == before } else { sum >= before });
+                let rises = if rate == 0.0 { sum == before } else { sum >= before };
+                prop_assert!(rises);
                 before = sum;
             }
         }
