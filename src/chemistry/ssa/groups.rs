@@ -145,7 +145,8 @@ mod tests {
             groups.change(item, rates[item], after);
             rates[item] = after;
         }
-        let last = [3.0, 0.0, 1.0, 0.25, 0.5, 1.5, 0.0, 1e-3, 0.749];
+        // Binary fractions, whose sum is free of rounding.
+        let last = [3.0, 0.0, 1.0, 0.25, 0.5, 1.5, 0.0, 1.0 / 1024.0, 767.0 / 1024.0];
         for (item, &after) in last.iter().enumerate() {
             groups.change(item, rates[item], after);
         }
