@@ -67,6 +67,7 @@ pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usiz
             })
             .collect(),
         steps,
+        hybrid: Vec::new(),
         health: Health::default(),
         performance: Performance { threads, ..Performance::default() },
     }
@@ -104,6 +105,7 @@ pub fn conclude(
     let whole = results.times.len() == record.times.len();
     record.finished = if whole { results.blocks.len() as u32 } else { 0 };
     record.steps = tally.steps.clone();
+    record.hybrid = tally.hybrid.clone();
     // Realizations of an interrupted run that were taken up count as well.
     let earlier = std::mem::take(&mut record.health);
     let mut supplied: BTreeMap<String, f64> = plan
@@ -128,7 +130,7 @@ pub fn conclude(
         bounces: flow.map(|f| f.bounces),
         largest_mach: flow.map(|f| f.largest_mach),
         largest_density_change: flow.map(|f| f.largest_density_change),
-        warnings: flow.map(|f| f.warnings.clone()).unwrap_or_default(),
+        warnings: tally.warnings(),
     };
     let performance = &mut record.performance;
     performance.particle_steps += tally.particle_steps;

@@ -19,6 +19,7 @@
 //! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
 //! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
 //! | [`ensemble`], [`results`] | a block of realizations from plan to folder; joining blocks |
+//! | [`import`] | models of other programs (SBML) -> files as a user would write them |
 //! | [`validation`], [`cli`] | published cases; the command line |
 //!
 //! The joint between flow and chemistry is one value, [`chemistry::Links`], and the volumes: the chemistry never
@@ -70,6 +71,7 @@ pub mod report;
 pub mod vtk;
 
 pub mod ensemble;
+pub mod import;
 pub mod results;
 pub mod validation;
 

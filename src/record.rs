@@ -53,6 +53,9 @@ pub struct RunRecord {
     /// Distributions asked for.
     pub histograms: Vec<HistogramRecord>,
     pub steps: StepsRecord,
+    /// Where hybrid species were carried how.
+    #[serde(default)]
+    pub hybrid: Vec<HybridRecord>,
     pub health: Health,
     pub performance: Performance,
 }
@@ -147,6 +150,9 @@ pub struct StepsRecord {
     pub approximations: Vec<String>,
     /// One flow served every realization.
     pub shared_flow: bool,
+    /// Estimate of the relative error of splitting, where something is split; in mean field.
+    #[serde(default)]
+    pub splitting_error: Option<f64>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -155,6 +161,18 @@ pub struct StepRecord {
     pub step: f64,
     pub count: u64,
     pub limited_by: String,
+}
+
+/// A hybrid species in a group.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HybridRecord {
+    pub species: String,
+    pub group: String,
+    /// Share of voxels and chemistry steps in which it was continuous, mean over realizations.
+    pub continuous: f64,
+    /// Changes from whole molecules to real amounts and back, voxels and realizations together.
+    pub to_continuous: u64,
+    pub to_discrete: u64,
 }
 
 /// Checks of a run; all sums over its realizations.
@@ -207,6 +225,12 @@ pub struct Performance {
 impl RunRecord {
     /// Takes in the record of the block of realizations that follows this one.
     pub fn absorb(&mut self, next: &RunRecord) {
+        let (before, added) = (f64::from(self.finished), f64::from(next.finished));
+        for (own, other) in self.hybrid.iter_mut().zip(&next.hybrid) {
+            own.continuous = (own.continuous * before + other.continuous * added) / (before + added).max(1.0);
+            own.to_continuous += other.to_continuous;
+            own.to_discrete += other.to_discrete;
+        }
         self.realizations[1] = next.realizations[1];
         self.finished += next.finished;
         self.health.absorb(&next.health);

@@ -119,6 +119,41 @@ fn of_particles(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[cas
     check(&refused(PARTICLES, from, to, &[]), place, words);
 }
 
+const GRAPH: &str = "\
+name: t
+reactions:
+  species: { A: { diffusion: 1 um^2/s }, B: { diffusion: 0 } }
+  reactions: { decay: { equation: A -> B, rate: 1 1/s } }
+domain: { kind: graph, volumes: [1 fL, 1 fL, 1 fL], names: [a, b, c], links: [[0, 1, 1 um], [1, 2, 1 um]] }
+initial: { A: 100 }
+run: { until: 1 s }
+output: { every: 0.1 s }
+";
+
+#[rstest]
+#[case::no_path("A: { diffusion: 1 um^2/s", "A: { diffusion: 1 um^2/s, only_in: [a, c]", "m.yaml:3:14", &["no link joins two voxels of a, c", "those in between"])]
+#[case::nowhere_to_hop("A: { diffusion: 1 um^2/s", "A: { diffusion: 1 um^2/s, only_in: a", "m.yaml:3:14", &["nowhere to hop", "diffusion to 0"])]
+#[case::negative_link("[0, 1, 1 um]", "[0, 1, -1 um]", "m.yaml:5:86", &["negative"])]
+#[case::hybrid_thresholds("initial:", "chemistry: { hybrid: { above: 100, below: 200 } }\ninitial:", "m.yaml:6:22", &["`below` lies between"])]
+#[case::event_driven_hybrid("initial:", "chemistry: { method: next_subvolume, representation: hybrid }\ninitial:", "m.yaml:6:12", &["needs discrete species"])]
+fn of_a_graph(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {
+    check(&refused(GRAPH, from, to, &[]), place, words);
+}
+
+#[rstest]
+#[case::side_of_a_periodic_axis("flux: { in: x_min, species: { A: 1 /um^2/s } }", "m.yaml:15:32", &["periodic along x", "no wall"])]
+#[case::negative_flux("flux: { in: y_min, species: { A: -1 /um^2/s } }", "m.yaml:15:53", &["may not be negative"])]
+#[case::flux_of_another_dimension("flux: { in: y_min, species: { A: 1 uM } }", "m.yaml:15:53", &["found a concentration"])]
+#[case::flux_of_unknown("flux: { in: y_min, species: { C: 1 /um^2/s } }", "m.yaml:15:50", &["unknown species `C`"])]
+#[case::absorbing_what_stays("absorbing: { in: y_min, species: { B: 1 um/s } }", "m.yaml:15:31", &["does not diffuse"])]
+#[case::absorbing_at_no_speed("absorbing: { in: y_min, species: { A: 0 um/s } }", "m.yaml:15:58", &["expected a positive"])]
+#[case::surface_of_the_medium("absorbing: { in: medium, species: { A: 1 um/s } }", "m.yaml:15:37", &["no surface of its own"])]
+#[case::surface_of_nothing("flux: { in: wall, species: { A: 1 /um^2/s } }", "m.yaml:15:32", &["unknown group `wall`"])]
+fn of_surfaces(#[case] condition: &str, #[case] place: &str, #[case] words: &[&str]) {
+    let with = format!("conditions: {{ c: {{ {condition} }} }}\ninitial:");
+    check(&refused(PARTICLES, "initial:", &with, &[]), place, words);
+}
+
 /// The place begins a line, the source line and a caret follow, and the words stand somewhere.
 fn check(message: &str, place: &str, words: &[&str]) {
     let lines: Vec<&str> = message.lines().collect();

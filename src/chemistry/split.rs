@@ -6,6 +6,7 @@
 
 mod bounds;
 mod diffuse;
+mod estimate;
 mod frozen;
 mod kinds;
 mod mixed;
@@ -14,6 +15,7 @@ mod react;
 mod snapshot;
 
 pub use bounds::{StepBounds, step_bounds};
+pub use estimate::{Feed, SplittingError, splitting_error};
 pub use frozen::Frozen;
 pub use modes::Modes;
 pub use snapshot::Snapshot;

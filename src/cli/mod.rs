@@ -3,6 +3,7 @@
 //! Standard output carries only what was asked for; faults, progress and notes go to standard error.
 
 mod check;
+mod import;
 mod run;
 mod verbs;
 
@@ -68,6 +69,11 @@ enum Verb {
         /// All resolutions, also those that take long
         #[arg(long)]
         full: bool,
+    },
+    /// Write a model from a file of another program
+    Import {
+        #[command(subcommand)]
+        format: import::Format,
     },
     /// Print shell completions
     Completions {
@@ -139,6 +145,7 @@ fn perform(verb: Verb) -> Result<(), Stop> {
         Verb::Merge { out, blocks, force } => verbs::merge(&out, &blocks, force),
         Verb::Network { file, svg, dot } => verbs::network(&file, svg, dot),
         Verb::Validate { cases, list, full } => verbs::validate(&cases, list, full),
+        Verb::Import { format } => import::import(&format),
         Verb::Completions { shell } => {
             verbs::completions(shell, &mut <Arguments as clap::CommandFactory>::command());
             Ok(())

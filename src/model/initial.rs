@@ -105,9 +105,13 @@ fn entry(
                 push(Some(i), item, faults);
             }
         }
-        (_, Domain::Graph { volumes, .. }) if group.is_none() => {
-            for i in 0..volumes.len() {
-                push(Some(i), value, faults);
+        (_, Domain::Graph { names, .. }) if group.is_none() => {
+            // One value goes for every volume in which the species may live.
+            let only_in = network.species[species].only_in.as_ref();
+            for (i, name) in names.iter().enumerate() {
+                if only_in.is_none_or(|list| list.iter().any(|named| named.name == *name)) {
+                    push(Some(i), value, faults);
+                }
             }
         }
         _ => push(group, value, faults),

@@ -251,7 +251,10 @@ pub fn sponge_targets(voxels: &Voxels, members: &[u32], amount: &Amount) -> Vec<
 /// Amounts stated where their species cannot live.
 pub fn check(plan: &Plan, faults: &mut Vec<Fault>) {
     let names = plan.model.domain.group_names();
-    for Initial { group, species, place, .. } in &plan.model.initial {
+    for Initial { group, species, place, amount, .. } in &plan.model.initial {
+        if matches!(amount, Amount::Molecules(n) if *n == 0.0) {
+            continue; // none where none can live
+        }
         let name = &plan.reactor.species[*species];
         let Some(g) = *group else { continue };
         let fits = plan.columns.iter().any(|column| column.group == Some(g) && column.species == *species);

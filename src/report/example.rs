@@ -94,7 +94,9 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
             method: "exact split sampling (Strang)".into(),
             approximations: vec!["operator splitting: second order in the chemistry step".into()],
             shared_flow: true,
+            splitting_error: Some(2e-4),
         },
+        hybrid: vec![],
         health: Health {
             conservation: vec![
                 ConservationRecord { sum: "R + RL".into(), start: 2000.0, ..Default::default() },

@@ -165,6 +165,21 @@ pub fn chemistry(record: &RunRecord) -> String {
     } else {
         out += &format!("; approximate in:</p>\n{}", list(approximations));
     }
+    if !record.hybrid.is_empty() {
+        let rows: Vec<Vec<String>> = record
+            .hybrid
+            .iter()
+            .map(|h| {
+                let share = format!("{} %", significant(100.0 * h.continuous, 3));
+                let changes = [h.to_continuous, h.to_discrete].map(grouped);
+                vec![h.species.clone(), h.group.clone(), share, changes[0].clone(), changes[1].clone()]
+            })
+            .collect();
+        out += "<h3>Hybrid species: where they were real amounts</h3>\n";
+        let head =
+            ["species", "group", "voxels and steps continuous", "became continuous", "became discrete"];
+        out += &table(&head, &[2, 3, 4], &rows);
+    }
     out
 }
 

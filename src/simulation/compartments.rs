@@ -2,15 +2,16 @@
 
 use super::clock::{Interval, intervals};
 use super::events::{self, Share};
-use super::{NotReady, Outcome, Tally, Watch};
+use super::{NotReady, Outcome, Tally, Watch, hybrids, paths};
 use crate::chemistry::sampling_numbers::poisson;
-use crate::chemistry::split::{Frozen, SplitState, step_bounds};
+use crate::chemistry::split::{Frozen, SplitState, SplittingError, splitting_error, step_bounds};
 use crate::chemistry::ssa::System;
 use crate::error::RunError;
 use crate::model::Method;
 use crate::plan::limits::check_steps;
 use crate::plan::start::{Start, Voxels, check_amounts, start};
 use crate::plan::{Compartments, Plan};
+use crate::quantity::readable::show;
 use crate::random::{Purpose, stream};
 use crate::record::{StepRecord, StepsRecord};
 use crate::samples::SeriesBlock;
@@ -28,6 +29,8 @@ pub struct Ready<'p> {
     frozen: Frozen,
     /// Steps, if the method splits, and what limits them.
     split: Option<(Vec<Interval>, String)>,
+    /// Error of splitting and the time over which it was found, s.
+    splitting: Option<(SplittingError, f64)>,
 }
 
 impl<'p> Ready<'p> {
@@ -49,11 +52,21 @@ impl<'p> Ready<'p> {
         let sums = Sums::new(plan, slot, &arena.volumes, arena.volumes.len());
         let frozen =
             Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
+        if arena.volumes.len() > 1 {
+            let groups: Vec<usize> = (0..arena.volumes.len()).collect();
+            paths::check(plan, &frozen, &groups)?;
+        }
         let split = match arena.method {
             Method::Split => Some(split(plan, &frozen, &start)?),
             _ => None,
         };
-        Ok(Ready { plan, arena, start, sums, frozen, split })
+        let splitting = split.as_ref().and_then(|(clock, _)| {
+            let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
+            let ticks: u64 = clock.iter().map(|i| i.ticks).sum();
+            let error = splitting_error(&plan.reactor, &frozen, &start.means(), (longest, ticks), None)?;
+            Some((error, error.steps as f64 * longest))
+        });
+        Ok(Ready { plan, arena, start, sums, frozen, split, splitting })
     }
 
     /// Method and steps.
@@ -64,17 +77,22 @@ impl<'p> Ready<'p> {
             count: clock.iter().map(|i| i.ticks).sum(),
             limited_by: limited_by.clone(),
         });
-        let approximations = match &chemistry {
-            Some(step) if self.arena.volumes.len() > 1 => {
-                vec![format!(
-                    "splitting of diffusion and reaction: second order in the step of {:.3e} s",
-                    step.step
-                )]
-            }
-            _ => events::approximations(self.arena.method, &self.plan.model.chemistry),
-        };
-        let method = events::words(self.arena.method).into();
-        StepsRecord { fluid: None, chemistry, method, approximations, shared_flow: false }
+        let splitting = chemistry.as_ref().filter(|_| self.arena.volumes.len() > 1).map(|step| {
+            format!(
+                "splitting of diffusion and reaction: second order in the step of {}",
+                show(step.step, "s")
+            )
+        });
+        let mut approximations = hybrids::approximations(self.plan, splitting, self.splitting.as_ref());
+        approximations.extend(events::approximations(self.arena.method, &self.plan.model.chemistry));
+        StepsRecord {
+            fluid: None,
+            chemistry,
+            method: events::words(self.arena.method).into(),
+            approximations,
+            shared_flow: false,
+            splitting_error: self.splitting.map(|(error, _)| error.relative),
+        }
     }
 
     /// The series at the start, with means where amounts are dealt.
@@ -99,12 +117,16 @@ impl<'p> Ready<'p> {
                 Ok(found)
             })
             .collect();
-        let tally = Tally {
+        let mut tally = Tally {
             steps: self.steps(),
             chemistry_seconds: begun.elapsed().as_secs_f64(),
             supplied: vec![0.0; self.plan.reactor.species.len()],
             ..Tally::default()
         };
+        let groups: Vec<usize> = (0..self.arena.volumes.len()).collect();
+        let shares = || found.iter().filter_map(|result| Some(&result.as_ref().ok()?.as_ref()?.0));
+        tally.hybrid = hybrids::history(self.plan, shares().map(|share| &share.modes), &groups);
+        tally.withheld = shares().map(|share| share.withheld).sum();
         events::gather(found, tally, self.plan.model.output.times.len())
     }
 
@@ -160,12 +182,21 @@ impl<'p> Ready<'p> {
             }
             self.sums.look(&state.amounts, &mut observed.series);
         }
-        let end = totals(self.plan, &state.amounts);
+        let off =
+            |s: usize| state.total(s) - start[s] - state.made(&self.plan.reactor, s) - state.supplied[s];
         let lost = (0..start.len())
             .filter(|&s| self.plan.reactor.discrete[s])
-            .map(|s| (end[s] - start[s] - state.made(&self.plan.reactor, s) - state.supplied[s]).abs())
+            .map(|s| off(s).abs())
+            // Amounts of a hybrid species are not whole; less than a thousandth of a molecule is rounding.
+            .filter(|off| *off >= 1e-3)
             .sum();
-        Ok(Some(Share { counters: state.counters, supplied: state.supplied, lost }))
+        Ok(Some(Share {
+            counters: state.counters,
+            supplied: state.supplied,
+            lost,
+            withheld: state.withheld,
+            modes: state.modes,
+        }))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Event-driven realizations, wherever the voxels stay: which method, and how a realization is played.
 
 use super::{Outcome, Tally, Watch};
-use crate::chemistry::split::Counters;
+use crate::chemistry::split::{Counters, Modes};
 use crate::chemistry::ssa::{
     CompositionRejection, Direct, EventMethod, Key, NextReaction, NextSubvolume, System, TauLeaping,
 };
@@ -19,6 +19,9 @@ pub(super) struct Share {
     pub supplied: Vec<f64>,
     /// Sum over species of |end - start - reactions - supplied|.
     pub lost: f64,
+    /// Where hybrid species were what, and what was withheld; of split realizations only.
+    pub modes: Modes,
+    pub withheld: f64,
 }
 
 /// One realization by the method of this name; `None` if it is not event driven.
@@ -69,7 +72,7 @@ pub(super) fn play(
             (end[s] - begun[s] - made - ledger.supplied[s]).abs()
         })
         .sum();
-    Ok(Some(Share { counters: ledger.counters, supplied: ledger.supplied.clone(), lost }))
+    Ok(Some(Share { counters: ledger.counters, supplied: ledger.supplied.clone(), lost, ..Share::default() }))
 }
 
 /// An outcome from what the realizations came to, in their order; those that finished are kept.

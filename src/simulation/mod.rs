@@ -5,13 +5,15 @@ pub mod clock;
 pub mod compartments;
 mod events;
 mod freeze;
+mod hybrids;
 pub mod particles;
+mod paths;
 mod realization;
 pub mod watch;
 
 use crate::error::{ModelError, RunError};
 use crate::plan::{Arena, Plan};
-use crate::record::StepsRecord;
+use crate::record::{HybridRecord, StepsRecord};
 use crate::sampling::Observed;
 
 pub use watch::Watch;
@@ -44,6 +46,18 @@ pub struct Tally {
     /// Sum over realizations and species of |end - start - reactions - supplied|.
     pub lost: f64,
     pub flow: Option<FlowTally>,
+    pub hybrid: Vec<HybridRecord>,
+    /// Expected events that did not happen for want of a whole molecule of a continuous species.
+    pub withheld: f64,
+}
+
+impl Tally {
+    /// What a user should know, from chemistry and flow.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let flow = self.flow.iter().flat_map(|flow| flow.warnings.iter().cloned());
+        flow.chain(hybrids::withheld(self.withheld)).collect()
+    }
 }
 
 /// What the flow says of itself.

@@ -4,8 +4,8 @@ use super::clock::{Interval, intervals};
 use super::events;
 use super::freeze::freeze;
 use super::realization::{Realization, Reservoirs, Surroundings};
-use super::{FlowTally, NotReady, Outcome, Tally, Watch};
-use crate::chemistry::split::{Frozen, StepBounds, step_bounds};
+use super::{FlowTally, NotReady, Outcome, Tally, Watch, hybrids, paths};
+use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
 use crate::error::RunError;
 use crate::model::Method;
 use crate::plan::limits::check_steps;
@@ -29,6 +29,8 @@ pub struct Ready<'p, const D: usize> {
     fluid: Option<(f64, String)>,
     clock: Vec<Interval>,
     fluid_seconds: f64,
+    /// Error of splitting and the time over which it was found, s.
+    splitting: Option<(SplittingError, f64)>,
 }
 
 impl<'p, const D: usize> Ready<'p, D> {
@@ -57,6 +59,8 @@ impl<'p, const D: usize> Ready<'p, D> {
         check_amounts(plan, &scene.places())?;
         let start = start(plan, &scene.places());
         let frozen = freeze(plan, &scene, &start)?;
+        let groups: Vec<usize> = arena.home.iter().map(|&home| usize::from(home)).collect();
+        paths::check(plan, &frozen, &groups)?;
         if event_driven(plan).is_some() {
             // Events know no step; realizations go from output time to output time.
             let (chemistry_step, chemistry_limit) = (f64::INFINITY, String::new());
@@ -71,6 +75,7 @@ impl<'p, const D: usize> Ready<'p, D> {
                 fluid,
                 clock,
                 fluid_seconds,
+                splitting: None,
             });
         }
         let bounds = bounds(plan, &scene, &frozen, &start);
@@ -83,7 +88,19 @@ impl<'p, const D: usize> Ready<'p, D> {
         };
         check_steps(&plan.model.places.chemistry, "chemistry", chemistry_step, &chemistry_limit, until)?;
         let clock = intervals(&plan.model.output.times, chemistry_step, fluid.as_ref().map(|f| f.0));
-        Ok(Ready { plan, scene, frozen, start, chemistry_step, chemistry_limit, fluid, clock, fluid_seconds })
+        let splitting = estimate(plan, &scene, &frozen, &start, &clock);
+        Ok(Ready {
+            plan,
+            scene,
+            frozen,
+            start,
+            chemistry_step,
+            chemistry_limit,
+            fluid,
+            clock,
+            fluid_seconds,
+            splitting,
+        })
     }
 
     /// Steps and what limits them.
@@ -111,6 +128,9 @@ impl<'p, const D: usize> Ready<'p, D> {
             .fold(0.0, f64::max);
         let discrete = self.plan.reactor.discrete.iter().filter(|&&d| d).count();
         let method = match discrete {
+            _ if self.plan.reactor.hybrid.is_some() => {
+                "each species discrete or continuous voxel by voxel, Strang splitting"
+            }
             0 => "rate equations, diffusion by the exact exponential, Strang splitting",
             n if n == self.plan.reactor.discrete.len() => {
                 "exact sampling of diffusion and reaction in turn, Strang splitting"
@@ -129,10 +149,16 @@ impl<'p, const D: usize> Ready<'p, D> {
             }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
-            approximations: vec![format!(
-                "splitting of motion, diffusion and reaction: second order in the chemistry step of {}",
-                crate::quantity::readable::show(longest, "s")
-            )],
+            approximations: hybrids::approximations(
+                self.plan,
+                Some(format!(
+                    "splitting of {}diffusion and reaction: second order in the chemistry step of {}",
+                    if self.fluid.is_some() { "motion, " } else { "" },
+                    crate::quantity::readable::show(longest, "s")
+                )),
+                self.splitting.as_ref(),
+            ),
+            splitting_error: self.splitting.map(|(error, _)| error.relative),
             shared_flow: self.fluid.is_some(),
         }
     }
@@ -276,10 +302,15 @@ impl<'p, const D: usize> Ready<'p, D> {
                 tally.supplied[s] += one.state.supplied[s];
                 if self.plan.reactor.discrete[s] {
                     let made = one.state.made(&self.plan.reactor, s);
-                    tally.lost += (one.state.total(s) - start - made - one.state.supplied[s]).abs();
+                    let off = one.state.total(s) - start - made - one.state.supplied[s];
+                    // Amounts of a hybrid species are not whole; less than a thousandth of a molecule is rounding.
+                    tally.lost += if off.abs() < 1e-3 { 0.0 } else { off.abs() };
                 }
             }
         }
+        let groups: Vec<usize> = self.scene.plan.home.iter().map(|&home| usize::from(home)).collect();
+        tally.hybrid = hybrids::history(self.plan, members.iter().map(|one| &one.state.modes), &groups);
+        tally.withheld = members.iter().map(|one| one.state.withheld).sum();
         if let Some(flow) = &self.scene.flow {
             tally.particle_steps = flow.particle_steps();
             tally.pair_evaluations = flow.pair_evaluations();
@@ -315,6 +346,32 @@ fn advance(
 /// The method, if it is event driven; the plan has seen to it that the particles then rest.
 fn event_driven(plan: &Plan) -> Option<Method> {
     plan.model.chemistry.method.filter(|method| method.event_driven())
+}
+
+/// The error of splitting with the steps of the clock, the particles at rest.
+fn estimate<const D: usize>(
+    plan: &Plan,
+    scene: &Scene<D>,
+    frozen: &Frozen,
+    start: &Start,
+    clock: &[Interval],
+) -> Option<(SplittingError, f64)> {
+    let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
+    let ticks: u64 = clock.iter().map(|i| i.ticks).sum();
+    let count = plan.reactor.species.len();
+    let sponges = Reservoirs::new(plan, scene).sponges;
+    let feed = |state: &mut [f64], dt: f64| {
+        for sponge in &sponges {
+            let gone = -(-sponge.rate * dt).exp_m1();
+            for (&i, &target) in sponge.voxels.iter().zip(&sponge.targets) {
+                let n = &mut state[i as usize * count + sponge.species];
+                *n += (target - *n) * gone;
+            }
+        }
+    };
+    let feed: Option<&Feed> = if sponges.is_empty() { None } else { Some(&feed) };
+    let error = splitting_error(&plan.reactor, frozen, &start.means(), (longest, ticks), feed)?;
+    Some((error, error.steps as f64 * longest))
 }
 
 /// Bounds of the chemistry step, from the amounts at the start with the sponges' targets put in.

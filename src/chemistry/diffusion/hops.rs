@@ -23,6 +23,9 @@ pub struct HopTable {
     columns: Vec<Column>,
 }
 
+/// One draw from a row costs 1.15 ns, one binomial of a chain 65 ns: `cargo bench --bench particles -- scatter`.
+const DRAWS_PER_BINOMIAL: u64 = 56;
+
 /// Entries with less than this share of a row are rounding of 1 - Σ.
 const NOTHING: f64 = 1e-15;
 
@@ -83,6 +86,12 @@ impl HopTable {
         self.leaving.len()
     }
 
+    /// Number of entries in all rows.
+    #[must_use]
+    pub fn entries(&self) -> usize {
+        self.target.len()
+    }
+
     /// Targets of a virtual jump from voxel `i` and their probabilities; `i` itself among them.
     #[inline]
     pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (usize, f64)> + '_ {
@@ -126,8 +135,7 @@ impl HopTable {
     #[inline]
     pub fn scatter<R: Rng>(&self, i: usize, count: u64, next: &mut [u64], random: &mut R) {
         let range = self.range(i);
-        // One draw per molecule costs about a thirtieth of one binomial of a chain.
-        if count <= 32 * range.len() as u64 {
+        if count <= DRAWS_PER_BINOMIAL * range.len() as u64 {
             let columns = &self.columns[range];
             for _ in 0..count {
                 next[draw(columns, random)] += 1;

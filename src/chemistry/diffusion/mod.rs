@@ -7,6 +7,7 @@
 mod alias;
 pub mod continuous;
 pub mod discrete;
+mod few;
 pub mod hops;
 pub mod jumps;
 

@@ -39,8 +39,8 @@ impl SplitState {
             mixture.walking.push(walking);
             mixture.flowing.push(flowing);
         }
-        let (many, few): (Vec<(u32, f64)>, Vec<(u32, f64)>) =
-            held.iter().partition(|(h, _)| flows(&self.modes, *h as usize));
+        let (many, few): (Vec<_>, Vec<_>) =
+            held.iter().copied().partition(|(h, _)| flows(&self.modes, *h as usize));
         // A reservoir takes in what reaches it in either form, and sends out in its own.
         let silent = |list: &[(u32, f64)]| list.iter().map(|&(h, _)| (h, 0.0)).collect::<Vec<_>>();
         let (mut walkers, mut pipes) = (few.clone(), many.clone());

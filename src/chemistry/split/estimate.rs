@@ -1,0 +1,192 @@
+//! How large the error of splitting is: the rate equations with the step and with half of it.
+//!
+//! Strang splitting is of second order, so that of the difference between the two 4/3 is the error of the longer
+//! step. It is the error of the means in mean field; sampled models have it as well.
+
+use super::Frozen;
+use crate::chemistry::diffusion::Jumps;
+use crate::chemistry::diffusion::continuous::Flow;
+use crate::chemistry::rate_equations::{Books, RateEquations, Voxel};
+use crate::chemistry::reactor::Reactor;
+use crate::error::RunError;
+
+/// An error found by halving the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SplittingError {
+    /// Σ_voxels |error| / Σ_voxels amount of the species where it is largest.
+    pub relative: f64,
+    pub species: usize,
+    /// Steps compared.
+    pub steps: u64,
+}
+
+/// What acts on the amounts besides reactions and diffusion, for a time in s.
+pub type Feed<'a> = dyn Fn(&mut [f64], f64) + 'a;
+
+/// Elementary operations spent on it at most; some tenths of a second.
+const BUDGET: f64 = 1e8;
+
+/// Operations of a reaction in a voxel: a step of the rate equations.
+const PER_REACTION: f64 = 100.0;
+
+/// The error after `steps` steps of `step` seconds from `amounts` on the frozen geometry, or after as many as the
+/// budget allows. `feed` is what acts besides reactions and diffusion, for a time in s, before and after each step.
+/// `None` where nothing is split, where one step is too much, or where the rate equations fail.
+#[must_use]
+pub fn splitting_error(
+    reactor: &Reactor,
+    frozen: &Frozen,
+    amounts: &[f64],
+    (step, steps): (f64, u64),
+    feed: Option<&Feed>,
+) -> Option<SplittingError> {
+    let diffusing: Vec<usize> = (0..reactor.species_count()).filter(|&s| frozen.table(s).is_some()).collect();
+    let reacting: usize = (0..frozen.voxels())
+        .map(|i| {
+            let (sampled, integrated) = frozen.reactions(i);
+            sampled.len() + integrated.len()
+        })
+        .sum();
+    if diffusing.is_empty() || reacting == 0 && feed.is_none() || steps == 0 {
+        return None;
+    }
+    let entries: usize = diffusing.iter().filter_map(|&s| frozen.table(s)).map(|table| table.entries()).sum();
+    let cost = 6.0 * entries as f64 + PER_REACTION * reacting as f64;
+    let affordable = (BUDGET / (3.0 * cost)) as u64;
+    let compared = steps.min(affordable);
+    if compared == 0 {
+        return None;
+    }
+    let mut field = MeanField { reactor, frozen, equations: RateEquations::default(), flow: Flow::default() };
+    let mut run = |step: f64, steps: u64| -> Result<Vec<f64>, RunError> {
+        let mut state = amounts.to_vec();
+        for _ in 0..steps {
+            if let Some(feed) = feed {
+                feed(&mut state, 0.5 * step);
+            }
+            field.step(&mut state, step)?;
+            if let Some(feed) = feed {
+                feed(&mut state, 0.5 * step);
+            }
+        }
+        Ok(state)
+    };
+    let (whole, halved) = (run(step, compared).ok()?, run(0.5 * step, 2 * compared).ok()?);
+    let count = reactor.species_count();
+    let error = |s: usize| {
+        let column = |state: &[f64]| -> f64 { state.iter().skip(s).step_by(count).sum() };
+        let off: f64 = (s..whole.len()).step_by(count).map(|slot| (whole[slot] - halved[slot]).abs()).sum();
+        // Less than a molecule in all is no measure.
+        4.0 / 3.0 * off / column(&halved).max(1.0)
+    };
+    let species = (0..count).max_by(|&a, &b| error(a).total_cmp(&error(b)))?;
+    Some(SplittingError { relative: error(species), species, steps: compared })
+}
+
+/// All species as real amounts.
+struct MeanField<'a> {
+    reactor: &'a Reactor,
+    frozen: &'a Frozen,
+    equations: RateEquations,
+    flow: Flow,
+}
+
+impl MeanField<'_> {
+    fn step(&mut self, state: &mut [f64], step: f64) -> Result<(), RunError> {
+        self.react(state, 0.5 * step)?;
+        self.diffuse(state, step);
+        self.react(state, 0.5 * step)
+    }
+
+    fn react(&mut self, state: &mut [f64], dt: f64) -> Result<(), RunError> {
+        let count = self.reactor.species_count();
+        let mut all = Vec::new();
+        let mut supplied = vec![0.0; count];
+        for (i, row) in state.chunks_exact_mut(count).enumerate() {
+            let (sampled, integrated) = self.frozen.reactions(i);
+            all.clear();
+            all.extend(sampled.iter().chain(integrated));
+            if all.is_empty() {
+                continue;
+            }
+            let held =
+                if self.frozen.held.is_empty() { &[][..] } else { &self.frozen.held[i * count..][..count] };
+            let voxel = Voxel {
+                index: i,
+                scale: self.frozen.scales[i],
+                propensities: &self.reactor.propensities,
+                integrated: &all,
+                sampled: &[],
+                weights: &self.frozen.weights,
+                held,
+            };
+            let mut books = Books { supplied: &mut supplied, extents: &mut [] };
+            let mut never = f64::INFINITY;
+            self.equations.advance(self.reactor, voxel, row, &mut books, &mut never, (0.0, dt))?;
+        }
+        Ok(())
+    }
+
+    fn diffuse(&mut self, state: &mut [f64], dt: f64) {
+        let count = self.reactor.species_count();
+        for s in 0..count {
+            let Some(table) = self.frozen.table(s) else { continue };
+            let (jumps, pieces) = Jumps::expected(self.reactor.diffusivity[s] * table.rate * dt);
+            let held: Vec<(u32, f64)> =
+                self.frozen.held_voxels[s].iter().map(|&h| (h, state[h as usize * count + s])).collect();
+            for _ in 0..pieces {
+                self.flow.diffuse(table, &jumps, (&mut *state, s, count), &held);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chemistry::Links;
+    use crate::chemistry::network::Kinetics;
+    use crate::chemistry::reactor::example::network;
+    use crate::chemistry::split::SplitState;
+
+    #[test]
+    fn halving_tells_the_error() {
+        // S0 + S1 -> 0 in five voxels in a row, the two starting at opposite ends.
+        let mut network = network(Kinetics::Molecules, 2, &[(&[(0, 1), (1, 1)], &[], 0.05)]);
+        network.species.iter_mut().for_each(|s| s.diffusion = 1.0);
+        let reactor = Reactor::everywhere(&network, &[false; 2]);
+        let pairs: Vec<(usize, usize, f64)> = (0..4).map(|i| (i, i + 1, 1.0)).collect();
+        let links = Links::from_pairs(5, &pairs);
+        let frozen = Frozen::build(&reactor, &links, &[1.0; 5], &[0; 5], &[0; 5], &[]).unwrap();
+        let mut start = vec![0.0; 10];
+        (start[0], start[9]) = (100.0, 80.0);
+        let run = |steps: u64| {
+            let mut state = SplitState::new(&reactor, start.clone(), 1, 0);
+            for k in 0..steps {
+                let dt = 0.8 / steps as f64;
+                state.step(&reactor, &frozen, k as f64 * dt, dt).unwrap();
+            }
+            state.amounts
+        };
+        let exact = run(512);
+        for steps in [4, 8, 16] {
+            let seen = run(steps);
+            let error = |s: usize| {
+                let column = |x: &[f64]| -> f64 { x.iter().skip(s).step_by(2).sum() };
+                let off: Vec<f64> = seen.iter().zip(&exact).map(|(a, b)| (a - b).abs()).collect();
+                column(&off) / column(&exact)
+            };
+            let found =
+                splitting_error(&reactor, &frozen, &start, (0.8 / steps as f64, steps), None).unwrap();
+            assert_eq!(found.steps, steps);
+            let ratio = found.relative / error(found.species);
+            // The estimate is itself good to the next order in the step.
+            assert!((ratio - 1.0).abs() < 0.2, "{steps}: {ratio}");
+        }
+        // Diffusion alone is not split.
+        network.reactions.clear();
+        let alone = Reactor::everywhere(&network, &[false; 2]);
+        let frozen = Frozen::build(&alone, &links, &[1.0; 5], &[0; 5], &[0; 5], &[]).unwrap();
+        assert_eq!(splitting_error(&alone, &frozen, &start, (0.1, 8), None), None);
+    }
+}

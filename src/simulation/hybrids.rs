@@ -1,0 +1,80 @@
+//! What the split sampler says of itself: where hybrid species were carried how, and what splitting costs.
+
+use crate::chemistry::split::{Modes, SplittingError};
+use crate::plan::Plan;
+use crate::quantity::readable::{show, significant};
+use crate::record::HybridRecord;
+
+/// Where hybrid species were carried how, from the modes of all realizations and the group of each voxel.
+pub(super) fn history<'a>(
+    plan: &Plan,
+    modes: impl Iterator<Item = &'a Modes> + Clone,
+    groups: &[usize],
+) -> Vec<HybridRecord> {
+    let Some(hybrid) = &plan.reactor.hybrid else { return Vec::new() };
+    let names = plan.model.domain.group_names();
+    let mut found = Vec::new();
+    for (k, &s) in hybrid.species.iter().enumerate() {
+        for g in 0..names.len().max(1) {
+            let voxels: Vec<usize> = (0..groups.len()).filter(|&i| groups[i] == g).collect();
+            if voxels.is_empty() {
+                continue;
+            }
+            let mut record = HybridRecord {
+                species: plan.reactor.species[s].clone(),
+                group: names.get(g).cloned().unwrap_or_else(|| "all".into()),
+                ..HybridRecord::default()
+            };
+            let mut looks = 0.0_f64;
+            for modes in modes.clone() {
+                for &i in &voxels {
+                    let ([up, down], share) = modes.history(k, i);
+                    record.to_continuous += u64::from(up);
+                    record.to_discrete += u64::from(down);
+                    record.continuous += share;
+                    looks += 1.0;
+                }
+            }
+            record.continuous /= looks.max(1.0);
+            found.push(record);
+        }
+    }
+    found
+}
+
+/// Approximations that hybrid species and splitting bring, in words.
+pub(super) fn approximations(
+    plan: &Plan,
+    splitting: Option<String>,
+    found: Option<&(SplittingError, f64)>,
+) -> Vec<String> {
+    let mut words: Vec<String> = splitting.into_iter().collect();
+    if let (Some(words), Some((error, duration))) = (words.first_mut(), found) {
+        words.push_str(&format!(
+            "; estimated relative error {} of {} after {} (rate equations with half the step)",
+            significant(error.relative, 2),
+            plan.reactor.species[error.species],
+            show(*duration, "s")
+        ));
+    }
+    if let Some(hybrid) = &plan.reactor.hybrid {
+        let names: Vec<&str> = hybrid.species.iter().map(|&s| plan.reactor.species[s].as_str()).collect();
+        words.push(format!(
+            "{}: rate equations, without fluctuations, in voxels of {} molecules or more, until fewer than {}",
+            names.join(", "),
+            significant(hybrid.above, 4),
+            significant(hybrid.below, 4)
+        ));
+    }
+    words
+}
+
+/// A warning if events did not happen for want of a whole molecule of a continuous species.
+pub(super) fn withheld(expected: f64) -> Option<String> {
+    (expected > 0.5).then(|| {
+        format!(
+            "{} events (expected number) did not happen because a continuous species held less than one molecule in the voxel; make it discrete or hybrid",
+            significant(expected, 3)
+        )
+    })
+}
