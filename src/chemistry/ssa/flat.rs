@@ -72,7 +72,7 @@ impl<'a> Flat<'a> {
         let nothing = Product { rate: 0.0, species: [one; 3], less: [0.0; 3] };
         let mut products = vec![nothing; places + 1];
         let mut is_law = vec![false; reactions];
-        for r in 0..reactions {
+        for (r, law) in is_law.iter_mut().enumerate() {
             match reactor.propensities.product(r, scale) {
                 Some((rate, factors)) => {
                     products[r].rate = rate * system.weight(0, r);
@@ -80,7 +80,7 @@ impl<'a> Flat<'a> {
                         (products[r].species[k], products[r].less[k]) = (s, less);
                     }
                 }
-                None => is_law[r] = system.weight(0, r) > 0.0,
+                None => *law = system.weight(0, r) > 0.0,
             }
         }
         let changes = (0..reactions).map(|r| {
@@ -106,9 +106,9 @@ impl<'a> Flat<'a> {
             next: f64::INFINITY,
             random,
         };
-        for r in 0..reactions {
+        for (r, law) in is_law.into_iter().enumerate() {
             flat.rates[r] = flat.products[r].value(&flat.counts);
-            if is_law[r] {
+            if law {
                 flat.evaluate_law(r)?;
             }
         }
