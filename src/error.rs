@@ -156,7 +156,7 @@ pub enum RunError {
     NegativeCount { time: f64, voxel: usize, species: String, count: f64, event: String },
     /// A propensity that is negative, infinite or not a number.
     #[error(
-        "t = {time:.6e} s, voxel {voxel}: the propensity of {reaction} is {value}, with {amounts} molecules; {expression}. A rate must be a finite number, zero or more, for every amount: guard its law, e.g. by max(0, ...)"
+        "t = {time:.6e} s, voxel {voxel}: the propensity of {reaction} is {value}, with {amounts} molecules; {expression}. A rate law must give a finite number, zero or more, for every amount; guard it, e.g. by max(0, ...)"
     )]
     Propensity {
         time: f64,

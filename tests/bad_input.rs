@@ -288,10 +288,14 @@ fn a_negative_propensity_is_shown_with_its_expression() {
         ["direct", "next_reaction", "composition_rejection", "next_subvolume", "tau_leaping", "split"]
     {
         let folder = TempDir::new().unwrap();
-        let model = VOLUME.replace("rate: k }", "law: \"k * (A - 90.5 nM)\" }").replace(
-            "initial: { A: 100 }",
-            &format!("initial: {{ A: 100 }}\nchemistry: {{ method: {method} }}"),
-        );
+        let model = VOLUME
+            .replace("until: 1 s", "until: 100 s")
+            .replace("every: 0.1 s", "every: 10 s")
+            .replace("rate: k }", "law: \"k * (A - 90.5 nM)\" }")
+            .replace(
+                "initial: { A: 100 }",
+                &format!("initial: {{ A: 100 }}\nchemistry: {{ method: {method} }}"),
+            );
         std::fs::write(folder.path().join("m.yaml"), model).unwrap();
         let (status, message) = gillesph(folder.path(), &["run", "m.yaml"]);
         assert_eq!(status, 1, "{message}");
