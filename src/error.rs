@@ -156,9 +156,17 @@ pub enum RunError {
     NegativeCount { time: f64, voxel: usize, species: String, count: f64, event: String },
     /// A propensity that is negative, infinite or not a number.
     #[error(
-        "t = {time:.6e} s, voxel {voxel}: the propensity of {reaction} is {value}, with {amounts}; a rate law must give a finite number, zero or more, for every amount"
+        "t = {time:.6e} s, voxel {voxel}: the propensity of {reaction} is {value}, with {amounts} molecules; {expression}. A rate law must give a finite number, zero or more, for every amount; guard it, e.g. by max(0, ...)"
     )]
-    Propensity { time: f64, voxel: usize, reaction: String, value: f64, amounts: String },
+    Propensity {
+        time: f64,
+        voxel: usize,
+        reaction: String,
+        value: f64,
+        amounts: String,
+        /// The propensity in words, with its numbers.
+        expression: String,
+    },
     /// A file of the run could not be written or read.
     #[error("{path}: {reason}")]
     File { path: String, reason: String },

@@ -88,6 +88,9 @@ fn refused(model: &str, from: &str, to: &str, options: &[&str]) -> String {
 #[case::histogram_of_unknown("every: 0.1 s", "histogram: [ { species: C } ]", "m.yaml:10:35", &["unknown species `C`"])]
 #[case::section_of_particles("output", "groups: { a: {} }\noutput", "m.yaml:10:9", &["belongs to a domain of kind particles"])]
 #[case::too_much_memory("realizations: 3", "realizations: 4000000000", "m.yaml:9:6", &["of memory", "are free", "--realizations A..B"])]
+#[case::unknown_method("initial", "chemistry: { method: tau_leeping }\ninitial", "m.yaml:8:22", &["did you mean", "tau_leaping"])]
+#[case::tolerance_of_another_method("initial", "chemistry: { tolerance: 0.1 }\ninitial", "m.yaml:8:25", &["belongs to tau-leaping"])]
+#[case::event_driven_rate_equations("initial", "chemistry: { method: next_reaction, representation: continuous }\ninitial", "m.yaml:8:12", &["needs discrete species", "split"])]
 #[case::time_that_ends_at_once("until: 1 s", "until: 0 s", "m.yaml:9:15", &["expected a positive time"])]
 fn of_a_volume(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {
     check(&refused(VOLUME, from, to, &[]), place, words);
@@ -116,7 +119,9 @@ fn of_a_volume(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case
 #[case::euler_for_molecules("initial:", "chemistry: { integrator: euler, step: 1 ns }\ninitial:", "m.yaml:15:12", &["continuous species", "which `A` is not"])]
 #[case::euler_without_step("initial:", "chemistry: { integrator: euler, representation: continuous }\ninitial:", "m.yaml:15:12", &["none is", "add one"])]
 #[case::euler_in_a_flow("initial:", "chemistry: { integrator: euler, representation: continuous, step: 1 ns }\ninitial:", "m.yaml:15:12", &["particles at rest", "method: none"])]
-#[case::event_driven_particles("initial:", "chemistry: { method: direct }\ninitial:", "m.yaml:15:12", &["split method"])]
+#[case::event_driven_particles("initial:", "chemistry: { method: direct }\ninitial:", "m.yaml:15:12", &["particles at rest", "split method"])]
+#[case::tau_leaping_on_particles("fluid: { method: sph_bvf, density: 1000 kg/m^3, viscosity: 1 mPa s, speed: 1 mm/s }", "fluid: { method: none }\nchemistry: { method: tau_leaping }", "m.yaml:15:12", &["one volume", "split method"])]
+#[case::event_driven_continuous("fluid: { method: sph_bvf, density: 1000 kg/m^3, viscosity: 1 mPa s, speed: 1 mm/s }", "fluid: { method: none }\nchemistry: { method: direct, representation: continuous }", "m.yaml:15:12", &["needs discrete species"])]
 fn of_particles(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {
     check(&refused(PARTICLES, from, to, &[]), place, words);
 }
@@ -280,5 +285,31 @@ fn folders_that_are_in_use_are_refused() {
         let (status, message) = gillesph(folder.path(), &["merge", "whole", "a", block]);
         assert!(status == 2 && message.contains(words), "{message}");
         assert!(!folder.path().join("whole").exists());
+    }
+}
+
+/// A law that falls below zero stops the run, and the message holds all that is needed to see why.
+#[test]
+fn a_negative_propensity_is_shown_with_its_expression() {
+    for method in
+        ["direct", "next_reaction", "composition_rejection", "next_subvolume", "tau_leaping", "split"]
+    {
+        let folder = TempDir::new().unwrap();
+        let model = VOLUME
+            .replace("until: 1 s", "until: 100 s")
+            .replace("every: 0.1 s", "every: 10 s")
+            .replace("rate: k }", "law: \"k * (A - 90.5 nM)\" }")
+            .replace(
+                "initial: { A: 100 }",
+                &format!("initial: {{ A: 100 }}\nchemistry: {{ method: {method} }}"),
+            );
+        std::fs::write(folder.path().join("m.yaml"), model).unwrap();
+        let (status, message) = gillesph(folder.path(), &["run", "m.yaml"]);
+        assert_eq!(status, 1, "{message}");
+        for word in
+            ["voxel 0", "propensity of decay", "A = 54", "B = 46", "k * (A - 90.5 nM)", "A in mol/m^3"]
+        {
+            assert!(message.contains(word), "{method}: `{word}` is missing:\n{message}");
+        }
     }
 }

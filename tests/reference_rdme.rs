@@ -3,8 +3,8 @@
 //! The numbers come from the matrix exponential over the full state space or from the closed form named with
 //! the case. Their volumes are pure numbers: here volume 1 is 1 fL, a conductance 1 is 1 µm at 1 µm²/s, and a
 //! rate of k per molecule and volume is k N_A fL (see [`second`]). 10 000 realizations; means within 4.7 and
-//! variances within 4.7 standard errors: about 150 quantities are compared, each false with chance 2.6e-6 if
-//! normal, all together 4e-4; distributions by chi-square at 1e-4. Seeds fixed beforehand.
+//! variances within 4.7 standard errors: about 300 quantities are compared, each false with chance 2.6e-6 if
+//! normal, all together 8e-4; distributions by chi-square at 1e-4. Seeds fixed beforehand.
 
 #[path = "chemistry_cases/mod.rs"]
 mod cases;
@@ -53,6 +53,9 @@ fn play(model: &str, domain: &str, method: &str, times: &[f64], seed: u32) -> Se
 /// p = 0.8 + 0.2 exp(-g (1/V_0 + 1/V_1) t).
 #[rstest]
 #[case("method: next_subvolume", 11)]
+#[case("method: direct", 13)]
+#[case("method: next_reaction", 14)]
+#[case("method: composition_rejection", 15)]
 #[case("method: split, step: 0.5 s", 12)] // diffusion alone is exact at any step
 fn two_voxel_diffusion(#[case] method: &str, #[case] seed: u32) {
     let model = "name: two_voxels\nreactions: { species: { X: { diffusion: 1 um^2/s } }, reactions: {} }\n\
@@ -73,6 +76,9 @@ fn two_voxel_diffusion(#[case] method: &str, #[case] seed: u32) {
 /// V 20 (1 - exp(-t/2)) whatever the conductances; the concentration is flat, so splitting is exact too.
 #[rstest]
 #[case("method: next_subvolume", 21)]
+#[case("method: direct", 23)]
+#[case("method: next_reaction", 24)]
+#[case("method: composition_rejection", 25)]
 #[case("method: split, step: 0.1 s", 22)]
 fn birth_death_diffusion(#[case] method: &str, #[case] seed: u32) {
     let model = format!(
@@ -117,7 +123,7 @@ fn birth_death_diffusion(#[case] method: &str, #[case] seed: u32) {
 /// count (33 of them, c = 0.4/100), as a rate law of counts, as a rate law of concentrations.
 #[rstest]
 fn receptor_occupancy(
-    #[values("direct", "next_reaction", "next_subvolume", "split")] method: &str,
+    #[values("direct", "next_reaction", "composition_rejection", "next_subvolume", "split")] method: &str,
     #[values(0, 1, 2)] way: usize,
 ) {
     let bind = [
@@ -169,7 +175,9 @@ fn receptors_at_a_continuous_ligand(#[case] bind: &str, #[case] seed: u32) {
 
 /// A + B <-> C in volume 2, k = 0.05 and 0.5, from 20, 15, 0.
 #[rstest]
-fn abc_equilibrium(#[values("direct", "next_reaction", "next_subvolume", "split")] method: &str) {
+fn abc_equilibrium(
+    #[values("direct", "next_reaction", "composition_rejection", "next_subvolume", "split")] method: &str,
+) {
     let model = format!(
         "name: abc\nreactions:\n  species: [A, B, C]\n  kinetics: concentration\n  reactions:\n    \
          join: {{ equation: A + B <-> C, rate: {:e} m^3/mol/s, reverse: 0.5 1/s }}\n\
@@ -194,7 +202,9 @@ fn abc_equilibrium(#[values("direct", "next_reaction", "next_subvolume", "split"
 
 /// A + B -> 0 in one volume, k = 0.1, 12 and 10 molecules.
 #[rstest]
-fn annihilation(#[values("direct", "next_reaction", "next_subvolume", "split")] method: &str) {
+fn annihilation(
+    #[values("direct", "next_reaction", "composition_rejection", "next_subvolume", "split")] method: &str,
+) {
     let model = format!(
         "name: annihilation\nreactions:\n  species: [A, B]\n  kinetics: concentration\n  reactions:\n    \
          meet: {{ equation: A + B -> 0, rate: {:e} m^3/mol/s }}\ninitial: {{ A: 12, B: 10 }}",
@@ -221,6 +231,9 @@ fn annihilation(#[values("direct", "next_reaction", "next_subvolume", "split")] 
 /// the standard error of a mean, 0.01.
 #[rstest]
 #[case("method: next_subvolume", 61)]
+#[case("method: direct", 63)]
+#[case("method: next_reaction", 64)]
+#[case("method: composition_rejection", 65)]
 #[case("method: split, step: 10 ms", 62)]
 fn two_voxel_annihilation(#[case] method: &str, #[case] seed: u32) {
     let model = format!(

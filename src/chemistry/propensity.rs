@@ -54,13 +54,13 @@ struct Compiled {
 
 /// Rows of different length in one array.
 #[derive(Clone, Debug)]
-struct Rows<T> {
+pub(in crate::chemistry) struct Rows<T> {
     offsets: Vec<u32>,
     entries: Vec<T>,
 }
 
 impl<T> Rows<T> {
-    fn collect(rows: impl Iterator<Item = Vec<T>>) -> Rows<T> {
+    pub fn collect(rows: impl Iterator<Item = Vec<T>>) -> Rows<T> {
         let mut all = Rows { offsets: vec![0], entries: Vec::new() };
         for row in rows {
             all.entries.extend(row);
@@ -70,7 +70,7 @@ impl<T> Rows<T> {
     }
 
     #[inline]
-    fn row(&self, index: usize) -> &[T] {
+    pub fn row(&self, index: usize) -> &[T] {
         &self.entries[self.offsets[index] as usize..self.offsets[index + 1] as usize]
     }
 }
@@ -233,6 +233,41 @@ impl Propensities {
             Form::Law(law) => return self.law(law, amounts, scale),
         };
         factor(reaction, scale) * product
+    }
+
+    /// Reaction `r` as rate · Π (X_s - less), at most three factors, in a voxel of this scale; the same value
+    /// as [`Propensities::propensity_at`] to rounding. `None` for rate laws and wherever a reactant is
+    /// continuous.
+    #[must_use]
+    pub fn product(&self, r: usize, scale: Scale) -> Option<(f64, Vec<(u32, f64)>)> {
+        let reaction = &self.compiled[r];
+        let reactants = self.reactants.row(r);
+        if reaction.guarded || reactants.iter().any(|&(s, _)| !self.discrete[s as usize]) {
+            return None;
+        }
+        let factors: Vec<(u32, f64)> =
+            reactants.iter().flat_map(|&(s, nu)| (0..nu).map(move |k| (s, f64::from(k)))).collect();
+        (factors.len() <= 3).then(|| (factor(reaction, scale), factors))
+    }
+
+    /// Mean propensity of reaction `r` where the species that `is_mean` picks are Poisson numbers of which
+    /// `amounts` holds the means: E[X … (X-ν+1)] = mean^ν. A rate law takes the mean itself.
+    #[must_use]
+    pub fn mean_at(&self, r: usize, amounts: &[f64], scale: Scale, is_mean: impl Fn(usize) -> bool) -> f64 {
+        let reaction = &self.compiled[r];
+        if matches!(reaction.form, Form::Law(_)) {
+            return self.propensity_at(r, amounts, scale);
+        }
+        let mut product = factor(reaction, scale);
+        for &(s, nu) in self.reactants.row(r) {
+            let (x, s) = (amounts[s as usize], s as usize);
+            product *= if is_mean(s) || !self.discrete[s] {
+                x.powi(nu as i32)
+            } else {
+                (0..nu).map(|k| (x - f64::from(k)).max(0.0)).product::<f64>()
+            };
+        }
+        product
     }
 
     /// Deterministic rate of reaction `r`, events per s: every amount with plain powers.

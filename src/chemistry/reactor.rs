@@ -2,6 +2,7 @@
 
 use crate::chemistry::network::{Network, Rate};
 use crate::chemistry::propensity::Propensities;
+use crate::chemistry::words::propensity_words;
 use crate::error::RunError;
 
 /// A set of at most 64 groups of voxels, as bits.
@@ -32,6 +33,8 @@ pub struct Reactor {
     pub species: Vec<String>,
     /// Names of the reactions, for messages.
     pub reactions: Vec<String>,
+    /// Propensities of the reactions in words, for messages.
+    pub expressions: Vec<String>,
     /// Propensities where every hybrid species is discrete.
     pub propensities: Propensities,
     /// Whether a species is carried as whole molecules, hybrid ones included.
@@ -95,6 +98,7 @@ impl Reactor {
         Reactor {
             species: network.species.iter().map(|s| s.name.clone()).collect(),
             reactions: network.reactions.iter().map(|r| r.name.clone()).collect(),
+            expressions: network.reactions.iter().map(|r| propensity_words(network, r)).collect(),
             propensities: Propensities::compile(network, discrete),
             discrete: discrete.to_vec(),
             diffusivity: network.species.iter().map(|s| s.diffusion).collect(),
@@ -178,8 +182,8 @@ impl Reactor {
     pub fn bad_propensity(&self, r: usize, value: f64, time: f64, voxel: usize, amounts: &[f64]) -> RunError {
         let amounts: Vec<String> =
             self.species.iter().zip(amounts).map(|(s, n)| format!("{s} = {n}")).collect();
-        let reaction = self.reactions[r].clone();
-        RunError::Propensity { time, voxel, reaction, value, amounts: amounts.join(", ") }
+        let (reaction, expression) = (self.reactions[r].clone(), self.expressions[r].clone());
+        RunError::Propensity { time, voxel, reaction, value, amounts: amounts.join(", "), expression }
     }
 
     /// Species `s` fell to `count` after reaction `r`.

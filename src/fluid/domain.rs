@@ -47,6 +47,12 @@ impl<const D: usize> Domain<D> {
         p
     }
 
+    /// Whether a point lies beyond a side that is not periodic.
+    #[must_use]
+    pub fn is_beyond(&self, point: &Vector<D>) -> bool {
+        (0..D).any(|k| !self.periodic[k] && (point[k] < self.min[k] || point[k] > self.max[k]))
+    }
+
     /// The shortest-way rule prepared for the sweep over pairs.
     #[must_use]
     pub fn shortest(&self) -> Shortest<D> {

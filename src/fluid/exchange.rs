@@ -44,8 +44,8 @@ pub struct Barrier {
 /// Among disordered neighbours a linear profile is not at rest, and diffusion is slowed by some per cent (most
 /// on a line, where conductances stand in series). The normalised weights are therefore tilted once towards the
 /// thinner side, F_ij (1 + (b_i - b_j)·x_ij), b_i = -Σ_j V_j F_ij x_ij / alpha_i with x_ij = x_j - x_i, so that
-/// Σ_j G_ij x_ij all but vanishes; this is as symmetric as F, and kept positive. On a lattice b is zero. Where
-/// the surroundings end (alpha below [`WHOLE`]) there is nothing to balance.
+/// Σ_j G_ij x_ij all but vanishes; this is as symmetric as F, and kept positive. On a lattice b is zero. Next to
+/// what no molecule enters there is no balance to restore, and b is zero too.
 #[must_use]
 pub fn links<const D: usize>(
     voxels: &Voxels<D>,
@@ -61,26 +61,33 @@ pub fn links<const D: usize>(
     let mut met: Vec<Met<D>> = Vec::with_capacity(16 * n);
     let mut alpha = vec![0.0; n];
     let mut pull = vec![Vector::<D>::zeros(); n];
+    let mut open = hosts[..n].to_vec();
     for i in (0..n).filter(|&i| hosts[i]) {
         let start = met.len();
         grid.for_each_near(&places[i], &places, |image, x, r2| {
             let j = original[image] as usize;
-            if image != i && hosts[j] && !voxels.separated(&places[i], &x) {
-                let f = kernel.f(r2.sqrt()) * weights.factor(r2, kernel.cutoff());
-                if f > 0.0 && !voxels.obstructed(&places[i], &x, kernel.cutoff()) {
-                    alpha[i] += volumes[j] * f * r2 / D as f64;
-                    pull[i] += x * (volumes[j] * f);
-                    if j >= i {
-                        met.push(Met { i: i as u32, j: j as u32, image: image as u32, f, x });
-                    }
+            if image == i {
+                return;
+            }
+            let passes = hosts[j] && !voxels.separated(&places[i], &x);
+            if !passes || voxels.obstructed(&places[i], &x, kernel.cutoff()) {
+                open[i] &= voxels.domain.is_beyond(&places[image]); // images stand for the walls round the box
+                return;
+            }
+            let f = kernel.f(r2.sqrt()) * weights.factor(r2, kernel.cutoff());
+            if f > 0.0 {
+                alpha[i] += volumes[j] * f * r2 / D as f64;
+                pull[i] += x * (volumes[j] * f);
+                if j >= i {
+                    met.push(Met { i: i as u32, j: j as u32, image: image as u32, f, x });
                 }
             }
         });
         met[start..].sort_by_key(|pair| pair.j);
     }
     if weights == Weights::Normalised {
-        for (b, alpha) in pull.iter_mut().zip(&alpha) {
-            *b = if *alpha < WHOLE { Vector::zeros() } else { *b / *alpha };
+        for ((b, alpha), open) in pull.iter_mut().zip(&alpha).zip(&open) {
+            *b = if *open && *alpha > WHOLE { *b / *alpha } else { Vector::zeros() };
         }
         alpha.fill(0.0);
         for pair in &mut met {
@@ -113,7 +120,7 @@ pub fn links<const D: usize>(
     both_ways(n, &pairs)
 }
 
-/// alpha from which on a voxel has neighbours on all sides; half a space gives less than 0.65.
+/// alpha from which on a voxel has neighbours on all sides; where they end at empty space it is below 0.7.
 const WHOLE: f64 = 0.75;
 
 /// Least factor by which the balance of disordered neighbours lowers a weight.

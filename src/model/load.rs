@@ -236,6 +236,7 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
         integrator: Integrator::Exponential,
         hops: 0.2,
         change: 0.1,
+        tolerance: 0.03, // Cao, Gillespie & Petzold (2006)
         above: 1000.0,
         below: 500.0,
     };
@@ -244,17 +245,7 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
     let representation =
         fields.optional("representation").and_then(|n| n.choice(&Representation::NAMED, faults));
     chemistry.representation = representation.unwrap_or(chemistry.representation);
-    chemistry.method = fields.optional("method").and_then(|n| {
-        n.choice(
-            &[
-                ("direct", Method::Direct),
-                ("next_reaction", Method::NextReaction),
-                ("next_subvolume", Method::NextSubvolume),
-                ("split", Method::Split),
-            ],
-            faults,
-        )
-    });
+    chemistry.method = fields.optional("method").and_then(|n| n.choice(&Method::NAMES, faults));
     chemistry.step = fields.optional("step").and_then(|n| n.positive(Dimension::TIME, faults));
     let integrator = fields.optional("integrator").and_then(|n| {
         n.choice(&[("exponential", Integrator::Exponential), ("euler", Integrator::Euler)], faults)
@@ -263,6 +254,22 @@ fn chemistry(node: Option<&Node>, faults: &mut Faults) -> Option<Chemistry> {
     for (key, value) in [("hops", &mut chemistry.hops), ("change", &mut chemistry.change)] {
         let given = fields.optional(key).and_then(|n| n.positive(Dimension::NONE, faults));
         *value = given.unwrap_or(*value);
+    }
+    if let Some(node) = fields.optional("tolerance") {
+        match node.positive(Dimension::NONE, faults) {
+            _ if chemistry.method != Some(Method::TauLeaping) => faults.at(
+                &node.place,
+                "a tolerance belongs to tau-leaping",
+                "set method: tau_leaping, or remove `tolerance`",
+            ),
+            Some(tolerance) if tolerance >= 1.0 => faults.at(
+                &node.place,
+                format!("a tolerance is a number between 0 and 1, found {tolerance}"),
+                "0.03 is usual: propensities may change by 3 % in a leap",
+            ),
+            Some(tolerance) => chemistry.tolerance = tolerance,
+            None => {}
+        }
     }
     if let Some(n) = fields.optional("hybrid") {
         thresholds(n, &mut chemistry, faults);

@@ -70,6 +70,8 @@ pub struct Chemistry {
     pub hops: f64,
     /// Largest expected relative change of a reactant in a step, for the automatic step.
     pub change: f64,
+    /// Largest expected relative change of a propensity in a leap of tau-leaping.
+    pub tolerance: f64,
     /// Molecules in a voxel from which on a hybrid species is continuous there, and below which it is discrete
     /// again.
     pub above: f64,
@@ -93,8 +95,30 @@ pub enum Method {
     Direct,
     /// Gibson & Bruck's next reaction method.
     NextReaction,
+    /// Composition and rejection of Slepoy, Thompson & Plimpton.
+    CompositionRejection,
     /// Elf & Ehrenberg's next subvolume method.
     NextSubvolume,
+    /// Tau-leaping with the step of Cao, Gillespie & Petzold: approximate.
+    TauLeaping,
     /// Exact sampling of diffusion and reaction in turn (Strang splitting).
     Split,
+}
+
+impl Method {
+    /// Every method, as it is named in a model.
+    pub const NAMES: [(&str, Method); 6] = [
+        ("direct", Method::Direct),
+        ("next_reaction", Method::NextReaction),
+        ("composition_rejection", Method::CompositionRejection),
+        ("next_subvolume", Method::NextSubvolume),
+        ("tau_leaping", Method::TauLeaping),
+        ("split", Method::Split),
+    ];
+
+    /// Whether every reaction and every hop is an event of its own.
+    #[must_use]
+    pub fn event_driven(self) -> bool {
+        self != Method::Split
+    }
 }

@@ -7,7 +7,7 @@ use crate::chemistry::reactor::Hybrid;
 use crate::chemistry::{GroupSet, Network, Rate, Reaction, Reactor, Representation};
 use crate::error::Fault;
 use crate::model::conditions::What;
-use crate::model::{Domain, Integrator, Material, Method, Model};
+use crate::model::{Domain, Integrator, Material, Model};
 
 /// The network with the conditions that act like reactions: one zero-order reaction for each source, one for each
 /// species that enters or leaves through a surface.
@@ -75,34 +75,6 @@ pub fn hybrid(model: &Model, network: &Network) -> Vec<usize> {
 pub fn discrete(model: &Model, network: &Network) -> Vec<bool> {
     let count = network.species.len();
     (0..count).map(|s| representation(model, network, s) != Representation::Continuous).collect()
-}
-
-/// The method for compartments: event driven if all species are discrete, split otherwise.
-pub fn method(model: &Model, discrete: &[bool], volumes: usize, faults: &mut Vec<Fault>) -> Method {
-    let all_discrete = discrete.iter().all(|&d| d) && hybrid(model, &model.network).is_empty();
-    let natural = if volumes == 1 { Method::Direct } else { Method::NextSubvolume };
-    match model.chemistry.method {
-        None if all_discrete => natural,
-        None => Method::Split,
-        Some(method @ (Method::Direct | Method::NextReaction | Method::NextSubvolume)) if !all_discrete => {
-            faults.push(Fault::at(
-                &model.places.chemistry,
-                "an event-driven method needs discrete species, and some are continuous or hybrid",
-                "set method: split, or make all species discrete",
-            ));
-            method
-        }
-        Some(method @ (Method::Direct | Method::NextReaction)) if volumes > 1 => {
-            let name = if method == Method::Direct { "direct" } else { "next reaction" };
-            faults.push(Fault::at(
-                &model.places.chemistry,
-                format!("the {name} method is for one volume, and this model has several"),
-                "set method: next_subvolume",
-            ));
-            method
-        }
-        Some(method) => method,
-    }
 }
 
 /// Faults where forward Euler is asked for and cannot be had.

@@ -2,6 +2,7 @@
 
 pub mod chemistry;
 pub mod limits;
+pub mod methods;
 pub mod particles;
 pub mod start;
 pub mod surfaces;
@@ -65,7 +66,7 @@ impl Plan {
                     volumes: vec![*volume],
                     home: vec![0],
                     links: Links::none(1),
-                    method: chemistry::method(&model, &discrete, 1, &mut faults),
+                    method: methods::method(&model, &network, &discrete, 1, &mut faults),
                 };
                 (Arena::Compartments(compartments), vec![vec![0]])
             }
@@ -82,18 +83,12 @@ impl Plan {
                     volumes: volumes.clone(),
                     home,
                     links: Links::from_pairs(volumes.len(), links),
-                    method: chemistry::method(&model, &discrete, volumes.len(), &mut faults),
+                    method: methods::method(&model, &network, &discrete, volumes.len(), &mut faults),
                 };
                 (Arena::Compartments(compartments), groups)
             }
             Domain::Particles(domain) => {
-                if !matches!(model.chemistry.method, None | Some(Method::Split)) {
-                    faults.push(Fault::at(
-                        &model.places.chemistry,
-                        "particles are sampled by the split method",
-                        "remove `method`, or set method: split",
-                    ));
-                }
+                methods::check_particles(&model, &network, domain, &discrete, &mut faults);
                 let groups = (0..domain.groups.len()).map(|g| vec![g as u8]).collect();
                 let arena = match domain.dimensions {
                     1 => Arena::Line(Box::new(ParticlePlan::new(&model, domain, &mut faults))),

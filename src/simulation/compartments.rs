@@ -1,13 +1,13 @@
 //! Realizations in one volume or on a graph of volumes: event driven, or split where species are continuous.
 
 use super::clock::{Interval, intervals};
+use super::events::{self, Share};
 use super::{FORWARD_EULER, NotReady, Outcome, Tally, Watch, euler_caveat, hybrids, paths};
 use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::split::{
-    Frozen, Modes, SplitState, SplittingError, longest_euler_step, splitting_error, step_bounds,
+    Frozen, SplitState, SplittingError, longest_euler_step, splitting_error, step_bounds,
 };
-use crate::chemistry::ssa::next_subvolume::Graph;
-use crate::chemistry::ssa::{Direct, EventMethod, NextReaction, NextSubvolume};
+use crate::chemistry::ssa::System;
 use crate::error::RunError;
 use crate::model::{Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
@@ -28,25 +28,11 @@ pub struct Ready<'p> {
     arena: &'p Compartments,
     start: Start,
     sums: Sums<'p>,
-    /// Frozen volumes and steps, if the method splits.
-    split: Option<(Frozen, Vec<Interval>, String)>,
+    frozen: Frozen,
+    /// Steps, if the method splits, and what limits them.
+    split: Option<(Vec<Interval>, String)>,
     /// Error of splitting and the time over which it was found, s.
     splitting: Option<(SplittingError, f64)>,
-}
-
-/// Parts of an output interval between which a realization can be stopped.
-const SLICES: u32 = 8;
-
-/// What one realization adds to the tally.
-#[derive(Default)]
-struct Share {
-    observed: Observed,
-    events: u64,
-    hops: u64,
-    supplied: Vec<f64>,
-    lost: f64,
-    modes: Modes,
-    withheld: f64,
 }
 
 impl<'p> Ready<'p> {
@@ -63,40 +49,33 @@ impl<'p> Ready<'p> {
             current: &arena.home,
         };
         check_amounts(plan, &places)?;
-        if arena.volumes.len() > 1 {
-            let frozen =
-                Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
-            let groups: Vec<usize> = (0..arena.volumes.len()).collect();
-            paths::check(plan, &frozen, &groups)?;
-        }
         let start = start(plan, &places);
         let slot = (0..arena.volumes.len() as u32).collect();
         let sums = Sums::new(plan, slot, &arena.volumes, arena.volumes.len());
+        let frozen =
+            Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
+        if arena.volumes.len() > 1 {
+            let groups: Vec<usize> = (0..arena.volumes.len()).collect();
+            paths::check(plan, &frozen, &groups)?;
+        }
         let split = match arena.method {
-            Method::Split => Some(split(plan, arena, &start)?),
-            Method::Direct | Method::NextReaction | Method::NextSubvolume => None,
+            Method::Split => Some(split(plan, &frozen, &start)?),
+            _ => None,
         };
         let euler = plan.model.chemistry.integrator == Integrator::Euler;
-        let splitting = split.as_ref().filter(|_| !euler).and_then(|(frozen, clock, _)| {
+        let splitting = split.as_ref().filter(|_| !euler).and_then(|(clock, _)| {
             let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
             let ticks: u64 = clock.iter().map(|i| i.ticks).sum();
-            let error = splitting_error(&plan.reactor, frozen, &start.means(), (longest, ticks), None)?;
+            let error = splitting_error(&plan.reactor, &frozen, &start.means(), (longest, ticks), None)?;
             Some((error, error.steps as f64 * longest))
         });
-        Ok(Ready { plan, arena, start, sums, split, splitting })
+        Ok(Ready { plan, arena, start, sums, frozen, split, splitting })
     }
 
     /// Method and steps.
     #[must_use]
     pub fn steps(&self) -> StepsRecord {
-        let method = match self.arena.method {
-            Method::Direct => "direct method (Gillespie 1976), exact",
-            Method::NextReaction => "next reaction method (Gibson & Bruck 2000), exact",
-            Method::NextSubvolume => "next subvolume method (Elf & Ehrenberg 2004), exact",
-            Method::Split if self.plan.model.chemistry.integrator == Integrator::Euler => FORWARD_EULER,
-            Method::Split => "diffusion and reaction in turn, Strang splitting",
-        };
-        let chemistry = self.split.as_ref().map(|(_, clock, limited_by)| StepRecord {
+        let chemistry = self.split.as_ref().map(|(clock, limited_by)| StepRecord {
             step: clock.iter().map(Interval::tick).fold(0.0, f64::max),
             count: clock.iter().map(|i| i.ticks).sum(),
             limited_by: limited_by.clone(),
@@ -111,11 +90,12 @@ impl<'p> Ready<'p> {
                 show(step.step, "s")
             )
         });
-        let approximations = hybrids::approximations(self.plan, in_time, self.splitting.as_ref());
+        let mut approximations = hybrids::approximations(self.plan, in_time, self.splitting.as_ref());
+        approximations.extend(events::approximations(self.arena.method, &self.plan.model.chemistry));
         StepsRecord {
             fluid: None,
             chemistry,
-            method: method.into(),
+            method: if euler { FORWARD_EULER } else { events::words(self.arena.method) }.into(),
             approximations,
             shared_flow: false,
             splitting_error: self.splitting.map(|(error, _)| error.relative),
@@ -135,12 +115,13 @@ impl<'p> Ready<'p> {
     pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
         watch.begin(realizations.len() as u64, "realizations");
         let begun = Instant::now();
-        let found: Vec<Result<Option<Share>, RunError>> = realizations
+        let system = System::new(&self.plan.reactor, &self.frozen);
+        let found: Vec<Result<Option<(Share, Observed)>, RunError>> = realizations
             .par_iter()
             .map(|&number| {
-                let share = if watch.stopped() { None } else { self.one(number, watch)? };
+                let found = if watch.stopped() { None } else { self.one(&system, number, watch)? };
                 watch.advance(1);
-                Ok(share)
+                Ok(found)
             })
             .collect();
         let mut tally = Tally {
@@ -150,101 +131,54 @@ impl<'p> Ready<'p> {
             ..Tally::default()
         };
         let groups: Vec<usize> = (0..self.arena.volumes.len()).collect();
-        let shares = || found.iter().filter_map(|result| result.as_ref().ok()?.as_ref());
+        let shares = || found.iter().filter_map(|result| Some(&result.as_ref().ok()?.as_ref()?.0));
         tally.hybrid = hybrids::history(self.plan, shares().map(|share| &share.modes), &groups);
         tally.withheld = shares().map(|share| share.withheld).sum();
-        let mut outcome = Outcome { times: self.plan.model.output.times.len(), ..Outcome::default() };
-        for result in found {
-            match result {
-                Ok(Some(share)) => {
-                    tally.reaction_events += share.events;
-                    tally.hops += share.hops;
-                    tally.lost += share.lost;
-                    tally.supplied.iter_mut().zip(&share.supplied).for_each(|(sum, n)| *sum += n);
-                    outcome.observed.push(share.observed);
-                }
-                Ok(None) => outcome.interrupted = true,
-                Err(error) => outcome.error = outcome.error.or(Some(error)),
-            }
-        }
-        outcome.tally = tally;
-        outcome
+        events::gather(found, tally, self.plan.model.output.times.len())
     }
 
     /// One realization; `None` if it was stopped.
-    fn one(&self, number: u32, watch: &Watch) -> Result<Option<Share>, RunError> {
-        let (plan, arena) = (self.plan, self.arena);
-        let seed = plan.model.run.seed;
+    fn one(
+        &self,
+        system: &System,
+        number: u32,
+        watch: &Watch,
+    ) -> Result<Option<(Share, Observed)>, RunError> {
+        let model = &self.plan.model;
+        let key = (model.run.seed, u64::from(number));
         let mut amounts = self.start.amounts.clone();
-        let mut random = stream(seed, u64::from(number), Purpose::Deal);
+        let mut random = stream(key.0, key.1, Purpose::Deal);
         for &(index, mean) in &self.start.poisson {
             amounts[index as usize] += poisson(&mut random, mean) as f64;
         }
-        let key = (seed, u64::from(number));
-        // The methods of one volume look at the first, which is all there is.
-        let (volume, home) = (arena.volumes[0], arena.home[0]);
-        match arena.method {
-            Method::Direct => {
-                self.play(number, Direct::new(&plan.reactor, volume, home, &[], amounts, key)?, watch)
-            }
-            Method::NextReaction => {
-                self.play(number, NextReaction::new(&plan.reactor, volume, home, &[], amounts, key)?, watch)
-            }
-            Method::NextSubvolume => {
-                let graph = Graph {
-                    volumes: &arena.volumes,
-                    links: &arena.links,
-                    home: &arena.home,
-                    current: &arena.home,
-                    held: &[],
-                };
-                self.play(number, NextSubvolume::new(&plan.reactor, graph, amounts, key)?, watch)
-            }
-            Method::Split => {
-                self.step(number, SplitState::new(&plan.reactor, amounts, seed, u64::from(number)), watch)
-            }
-        }
+        let mut observed = Observed::new(number);
+        let found = if let Some((clock, _)) = &self.split {
+            self.step(
+                SplitState::new(&self.plan.reactor, amounts, key.0, key.1),
+                clock,
+                &mut observed,
+                watch,
+            )?
+        } else {
+            let Some(mut method) = events::start(self.arena.method, &model.chemistry, system, amounts, key)?
+            else {
+                return Ok(None);
+            };
+            events::play(system, method.as_mut(), &model.output.times, watch, |_, amounts| {
+                self.sums.look(amounts, &mut observed.series);
+            })?
+        };
+        Ok(found.map(|share| (share, observed)))
     }
 
-    fn play(
+    /// One realization in steps of diffusion and reaction in turn.
+    fn step(
         &self,
-        number: u32,
-        mut method: impl EventMethod,
+        mut state: SplitState,
+        clock: &[Interval],
+        observed: &mut Observed,
         watch: &Watch,
     ) -> Result<Option<Share>, RunError> {
-        let mut observed = Observed::new(number);
-        let start = totals(self.plan, method.amounts());
-        for &time in &self.plan.model.output.times {
-            // Slices only so that the wish to stop is heard; the course of events does not depend on them.
-            let begun = method.time();
-            for slice in 1..=SLICES {
-                if watch.stopped() {
-                    return Ok(None);
-                }
-                let part = begun + (time - begun) * f64::from(slice) / f64::from(SLICES);
-                method.advance(if slice == SLICES { time } else { part })?;
-            }
-            self.sums.look(method.amounts(), &mut observed.series);
-        }
-        let end = totals(self.plan, method.amounts());
-        let fired = method.fired();
-        let lost = (0..start.len())
-            .map(|s| (end[s] - start[s] - self.plan.reactor.made(fired, s) - method.supplied()[s]).abs())
-            .sum();
-        let counters = method.counters();
-        Ok(Some(Share {
-            observed,
-            events: counters.events,
-            hops: counters.hops,
-            supplied: method.supplied().to_vec(),
-            lost,
-            ..Share::default()
-        }))
-    }
-
-    fn step(&self, number: u32, mut state: SplitState, watch: &Watch) -> Result<Option<Share>, RunError> {
-        let mut observed = Observed::new(number);
-        let Some((frozen, clock, _)) = &self.split else { return Ok(None) };
         let start = totals(self.plan, &state.amounts);
         for interval in clock {
             for k in 0..interval.ticks {
@@ -253,8 +187,8 @@ impl<'p> Ready<'p> {
                 }
                 let (reactor, time, tick) = (&self.plan.reactor, interval.time(k), interval.tick());
                 match self.plan.model.chemistry.integrator {
-                    Integrator::Exponential => state.step(reactor, frozen, time, tick)?,
-                    Integrator::Euler => state.euler(reactor, frozen, time, tick)?,
+                    Integrator::Exponential => state.step(reactor, &self.frozen, time, tick)?,
+                    Integrator::Euler => state.euler(reactor, &self.frozen, time, tick)?,
                 }
             }
             self.sums.look(&state.amounts, &mut observed.series);
@@ -268,10 +202,8 @@ impl<'p> Ready<'p> {
             .filter(|off| *off >= 1e-3)
             .sum();
         Ok(Some(Share {
-            observed,
-            events: state.counters.events,
-            hops: state.counters.hops,
-            supplied: state.supplied.clone(),
+            counters: state.counters,
+            supplied: state.supplied,
             lost,
             withheld: state.withheld,
             modes: state.modes,
@@ -285,15 +217,10 @@ fn totals(plan: &Plan, amounts: &[f64]) -> Vec<f64> {
     (0..count).map(|s| amounts.iter().skip(s).step_by(count).sum()).collect()
 }
 
-fn split(
-    plan: &Plan,
-    arena: &Compartments,
-    start: &Start,
-) -> Result<(Frozen, Vec<Interval>, String), NotReady> {
-    let frozen = Frozen::build(&plan.reactor, &arena.links, &arena.volumes, &arena.home, &arena.home, &[])?;
+fn split(plan: &Plan, frozen: &Frozen, start: &Start) -> Result<(Vec<Interval>, String), NotReady> {
     let chemistry = &plan.model.chemistry;
-    check_euler(&plan.model, longest_euler_step(&plan.reactor, &frozen))?;
-    let bounds = step_bounds(&plan.reactor, &frozen, &start.means(), chemistry.hops, chemistry.change);
+    check_euler(&plan.model, longest_euler_step(&plan.reactor, frozen))?;
+    let bounds = step_bounds(&plan.reactor, frozen, &start.means(), chemistry.hops, chemistry.change);
     let until = plan.model.run.until;
     let (step, limited_by) = match chemistry.step {
         Some(step) => (step, "the step given in the model".to_string()),
@@ -301,5 +228,5 @@ fn split(
         None => (bounds.step(), bounds.limited_by().to_string()),
     };
     check_steps(&plan.model.places.chemistry, "chemistry", step, &limited_by, until)?;
-    Ok((frozen, intervals(&plan.model.output.times, step, None), limited_by))
+    Ok((intervals(&plan.model.output.times, step, None), limited_by))
 }

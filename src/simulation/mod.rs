@@ -1,7 +1,9 @@
 //! Realizations: the flow and the chemistry in turn, observed at the output times.
 
+mod at_rest;
 pub mod clock;
 pub mod compartments;
+mod events;
 mod freeze;
 mod hybrids;
 pub mod particles;

@@ -1,6 +1,7 @@
 //! Realizations on particles: one flow for all of them, or particles at rest.
 
 use super::clock::{Interval, intervals};
+use super::events;
 use super::freeze::freeze;
 use super::realization::{Realization, Reservoirs, Surroundings};
 use super::{FORWARD_EULER, FlowTally, NotReady, Outcome, Tally, Watch, euler_caveat, hybrids, paths};
@@ -8,7 +9,7 @@ use crate::chemistry::split::{
     Feed, Frozen, SplittingError, StepBounds, longest_euler_step, splitting_error, step_bounds,
 };
 use crate::error::RunError;
-use crate::model::Integrator;
+use crate::model::{Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
@@ -22,10 +23,10 @@ use std::time::Instant;
 
 /// A particle plan at t = 0: the flow settled, the steps chosen.
 pub struct Ready<'p, const D: usize> {
-    plan: &'p Plan,
-    scene: Scene<'p, D>,
-    frozen: Frozen,
-    start: Start,
+    pub(super) plan: &'p Plan,
+    pub(super) scene: Scene<'p, D>,
+    pub(super) frozen: Frozen,
+    pub(super) start: Start,
     chemistry_step: f64,
     chemistry_limit: String,
     fluid: Option<(f64, String)>,
@@ -64,6 +65,23 @@ impl<'p, const D: usize> Ready<'p, D> {
         let groups: Vec<usize> = arena.home.iter().map(|&home| usize::from(home)).collect();
         paths::check(plan, &frozen, &groups)?;
         check_euler(&plan.model, longest_euler_step(&plan.reactor, &frozen))?;
+        if event_driven(plan).is_some() {
+            // Events know no step; realizations go from output time to output time.
+            let (chemistry_step, chemistry_limit) = (f64::INFINITY, String::new());
+            let clock = Vec::new();
+            return Ok(Ready {
+                plan,
+                scene,
+                frozen,
+                start,
+                chemistry_step,
+                chemistry_limit,
+                fluid,
+                clock,
+                fluid_seconds,
+                splitting: None,
+            });
+        }
         let bounds = bounds(plan, &scene, &frozen, &start);
         let automatic = (bounds.step(), bounds.limited_by().to_string());
         let (chemistry_step, chemistry_limit) = match plan.model.chemistry.step {
@@ -92,6 +110,13 @@ impl<'p, const D: usize> Ready<'p, D> {
     /// Steps and what limits them.
     #[must_use]
     pub fn steps(&self) -> StepsRecord {
+        if let Some(method) = event_driven(self.plan) {
+            return StepsRecord {
+                method: events::words(method).into(),
+                approximations: events::approximations(method, &self.plan.model.chemistry),
+                ..StepsRecord::default()
+            };
+        }
         let longest = self.clock.iter().map(Interval::tick).fold(0.0, f64::max);
         let ticks: u64 = self.clock.iter().map(|i| i.ticks).sum();
         let limited_by = if longest < 0.5 * self.chemistry_step {
@@ -161,6 +186,9 @@ impl<'p, const D: usize> Ready<'p, D> {
     pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
         let mut tally = Tally { steps: self.steps(), fluid_seconds: self.fluid_seconds, ..Tally::default() };
         tally.supplied = vec![0.0; self.plan.reactor.species.len()];
+        if let Some(method) = event_driven(self.plan) {
+            return self.run_events(realizations, method, tally, watch);
+        }
         let members: Vec<Realization> =
             realizations.iter().map(|&number| Realization::new(self.plan, &self.start, number)).collect();
         if self.fluid.is_some() {
@@ -323,6 +351,11 @@ fn advance(
         }
         _ => true,
     });
+}
+
+/// The method, if it is event driven; the plan has seen to it that the particles then rest.
+fn event_driven(plan: &Plan) -> Option<Method> {
+    plan.model.chemistry.method.filter(|method| method.event_driven())
 }
 
 /// The error of splitting with the steps of the clock, the particles at rest.

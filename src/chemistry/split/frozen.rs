@@ -162,6 +162,15 @@ impl Frozen {
         self.scales.len()
     }
 
+    /// How strongly reaction `r` acts in a voxel, a factor of its propensity: zero where it does not happen,
+    /// [`Frozen::weight`] elsewhere.
+    #[must_use]
+    pub fn strength(&self, r: usize, voxel: usize) -> f64 {
+        let (sampled, integrated) = self.reactions(voxel);
+        let happens = sampled.iter().chain(integrated).any(|&q| q as usize == r);
+        if happens { self.weight(r, voxel) } else { 0.0 }
+    }
+
     /// Hop table of species `s`; `None` if it does not diffuse.
     #[must_use]
     pub fn table(&self, s: usize) -> Option<&HopTable> {

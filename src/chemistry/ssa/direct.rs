@@ -1,107 +1,100 @@
-//! The direct method for one well-mixed volume (Gillespie 1976, 1977), with the dependency graph of Gibson
-//! & Bruck (2000) deciding which propensities to compute again.
+//! The direct method (Gillespie 1976, 1977): one waiting time for the next event of all, one choice among the
+//! channels. The dependencies of Gibson & Bruck (2000) decide which rates to compute again.
+//!
+//! In one volume the search is linear over flat tables ([`super::flat`]); among many voxels it goes down a
+//! tree of sums (Li & Petzold 2006) and then along the channels of a voxel.
 
-use super::events::{Cells, choose};
-use super::{Counters, EventMethod};
-use crate::chemistry::reactor::Reactor;
+use super::channels::{Channels, choose};
+use super::flat::Flat;
+use super::sums::SumTree;
+use super::{EventMethod, Key, Ledger, System};
 use crate::chemistry::sampling_numbers::exponential;
 use crate::error::RunError;
 use crate::random::{Purpose, Stream, stream};
 use rand::Rng;
 
-/// One realization of a well-mixed volume.
+/// One realization.
 #[derive(Clone, Debug)]
-pub struct Direct<'a> {
-    cells: Cells<'a>,
-    /// Propensity of every reaction; zero for those that do not happen here.
-    propensities: Vec<f64>,
-    happens: Vec<bool>,
-    total: f64,
-    time: f64,
-    /// Time of the next event.
+pub struct Direct<'a>(Domain<'a>);
+
+#[derive(Clone, Debug)]
+enum Domain<'a> {
+    One(Box<Flat<'a>>),
+    Many(Box<Voxels<'a>>),
+}
+
+/// Voxels of a graph, with the sum of the rates of each in a tree.
+#[derive(Clone, Debug)]
+struct Voxels<'a> {
+    channels: Channels<'a>,
+    tree: SumTree,
+    /// Time of the next event, s.
     next: f64,
     random: Stream,
 }
 
 impl<'a> Direct<'a> {
-    /// A volume of `volume` m³ in group `group` that starts from `amounts` (molecules); `held` flags
-    /// species whose amount never changes (empty for none).
+    /// Starts from `amounts` (molecules, voxel by voxel).
     ///
     /// # Errors
     /// A propensity that is negative or not finite at the start.
-    pub fn new(
-        reactor: &'a Reactor,
-        volume: f64,
-        group: u8,
-        held: &[bool],
-        amounts: Vec<f64>,
-        (seed, realization): (u64, u64),
-    ) -> Result<Direct<'a>, RunError> {
-        let reactions = reactor.propensities.len();
-        let mut direct = Direct {
-            cells: Cells::new(reactor, &[volume], held, amounts),
-            propensities: vec![0.0; reactions],
-            happens: (0..reactions).map(|r| reactor.happens(r, group, group)).collect(),
-            total: 0.0,
-            time: 0.0,
-            next: f64::INFINITY,
-            random: stream(seed, realization, Purpose::Reactions),
-        };
-        for r in 0..reactions {
-            if direct.happens[r] {
-                direct.propensities[r] = direct.cells.propensity(r, 0, 0.0)?;
-            }
+    pub fn new(system: &'a System<'a>, amounts: Vec<f64>, key: Key) -> Result<Direct<'a>, RunError> {
+        let random = stream(key.0, key.1, Purpose::Reactions);
+        if Flat::fits(system) {
+            return Ok(Direct(Domain::One(Box::new(Flat::new(system, amounts, random)?))));
         }
-        direct.draw();
-        Ok(direct)
+        let channels = Channels::new(system, amounts)?;
+        let tree = SumTree::new((0..channels.voxels()).map(|voxel| channels.row(voxel).iter().sum()));
+        let mut voxels = Voxels { channels, tree, next: 0.0, random };
+        voxels.draw();
+        Ok(Direct(Domain::Many(Box::new(voxels))))
     }
+}
 
+impl Voxels<'_> {
     /// The waiting time to the next event, exponential with mean 1 / a_0.
     fn draw(&mut self) {
-        self.total = self.propensities.iter().sum();
-        self.next = match self.total {
-            a if a > 0.0 => self.time + exponential(&mut self.random) / a,
-            _ => f64::INFINITY,
+        let total = self.tree.total();
+        self.next = if total > 0.0 {
+            self.channels.ledger.time + exponential(&mut self.random) / total
+        } else {
+            f64::INFINITY
         };
+    }
+
+    fn sum_up(&mut self, voxel: usize) {
+        self.tree.set(voxel, self.channels.row(voxel).iter().sum());
+    }
+
+    fn advance(&mut self, until: f64) -> Result<(), RunError> {
+        while self.next <= until {
+            self.channels.ledger.time = self.next;
+            let (voxel, rest) = self.tree.choose(self.random.random());
+            let row = self.channels.row(voxel);
+            let column = choose(row, row.iter().sum(), rest);
+            if let Some(other) = self.channels.fire(voxel, column, &mut self.random)? {
+                self.sum_up(other);
+            }
+            self.sum_up(voxel);
+            self.draw();
+        }
+        self.channels.ledger.time = self.channels.ledger.time.max(until);
+        Ok(())
     }
 }
 
 impl EventMethod for Direct<'_> {
     fn advance(&mut self, until: f64) -> Result<(), RunError> {
-        while self.next <= until {
-            self.time = self.next;
-            let r = choose(self.propensities.iter().copied(), self.total, self.random.random());
-            self.cells.apply(r, 0, self.time)?;
-            let reactor = self.cells.reactor;
-            for &q in reactor.propensities.affected(r) {
-                let q = q as usize;
-                if self.happens[q] {
-                    self.propensities[q] = self.cells.propensity(q, 0, self.time)?;
-                }
-            }
-            self.draw();
+        match &mut self.0 {
+            Domain::One(flat) => flat.advance(until),
+            Domain::Many(voxels) => voxels.advance(until),
         }
-        self.time = self.time.max(until);
-        Ok(())
     }
 
-    fn time(&self) -> f64 {
-        self.time
-    }
-
-    fn amounts(&self) -> &[f64] {
-        &self.cells.amounts
-    }
-
-    fn supplied(&self) -> &[f64] {
-        &self.cells.supplied
-    }
-
-    fn fired(&self) -> &[u64] {
-        &self.cells.fired
-    }
-
-    fn counters(&self) -> Counters {
-        self.cells.counters
+    fn ledger(&self) -> &Ledger {
+        match &self.0 {
+            Domain::One(flat) => &flat.ledger,
+            Domain::Many(voxels) => &voxels.channels.ledger,
+        }
     }
 }

@@ -1,0 +1,339 @@
+//! Tau-leaping (Gillespie 2001) with the step of Cao, Gillespie & Petzold (2006), J. Chem. Phys. 124, 044109:
+//! approximate. Propensities are taken as constant over a leap so short that none is expected to change by more
+//! than a tolerance ε; each channel then fires a Poisson number of times.
+//!
+//! A channel that fewer than [`CRITICAL`] firings would exhaust fires at most once in a leap, and a leap that
+//! would take an amount below zero is taken again at half the length: counts are never negative and never
+//! clipped. Where a leap would hardly be longer than the waiting time of single events, these are played
+//! exactly. A leap ends at each output time.
+
+use super::channels::{Channels, choose};
+use super::system::Column;
+use super::{EventMethod, Key, Ledger, System};
+use crate::chemistry::sampling_numbers::{binomial, exponential, poisson};
+use crate::error::RunError;
+use crate::random::{Purpose, Stream, stream};
+use rand::Rng;
+
+/// Firings left below which a channel is critical; n_c of the paper.
+const CRITICAL: f64 = 10.0;
+/// A leap shorter than this many mean waiting times is not worth it, and so many events are played one by
+/// one before the next is tried; both from the paper.
+const WORTH: f64 = 10.0;
+const ONE_BY_ONE: u32 = 100;
+
+/// One realization.
+#[derive(Clone, Debug)]
+pub struct TauLeaping<'a> {
+    channels: Channels<'a>,
+    random: Stream,
+    /// ε: largest expected relative change of a propensity in a leap.
+    tolerance: f64,
+    /// Highest order of the reactions that each species enters, and how many of it enter one there.
+    orders: Vec<(u32, u32)>,
+    /// Whether each channel is critical.
+    critical: Vec<bool>,
+    /// Mean change of each amount per second by channels that are not critical, and its variance per second.
+    drift: Vec<f64>,
+    spread: Vec<f64>,
+    /// Molecules of each amount that these channels take per second.
+    loss: Vec<f64>,
+    /// Amounts and books before a leap that may have to be taken back.
+    before: Ledger,
+    /// Events still to be played one by one.
+    single: u32,
+}
+
+impl<'a> TauLeaping<'a> {
+    /// Starts from `amounts` (molecules, voxel by voxel); `tolerance` is ε, 0.03 in the paper.
+    ///
+    /// # Errors
+    /// A propensity that is negative or not finite at the start.
+    pub fn new(
+        system: &'a System<'a>,
+        amounts: Vec<f64>,
+        tolerance: f64,
+        key: Key,
+    ) -> Result<TauLeaping<'a>, RunError> {
+        let channels = Channels::new(system, amounts)?;
+        let (slots, rates) = (channels.ledger.amounts.len(), channels.rates.len());
+        Ok(TauLeaping {
+            before: channels.ledger.clone(),
+            channels,
+            random: stream(key.0, key.1, Purpose::Reactions),
+            tolerance,
+            orders: orders(system),
+            critical: vec![false; rates],
+            drift: vec![0.0; slots],
+            spread: vec![0.0; slots],
+            loss: vec![0.0; slots],
+            single: 0,
+        })
+    }
+
+    /// g_i: how much faster than the species the fastest propensity changes that it enters; paper, Sec. III.
+    fn steepness(&self, s: usize, x: f64) -> f64 {
+        match self.orders[s] {
+            (2, 2) => 2.0 + 1.0 / (x - 1.0).max(1.0),
+            (3, 2) => 1.5 * (2.0 + 1.0 / (x - 1.0).max(1.0)),
+            (3, 3) => 3.0 + 1.0 / (x - 1.0).max(1.0) + 2.0 / (x - 2.0).max(1.0),
+            (order, _) => f64::from(order),
+        }
+    }
+
+    /// Whether fewer than [`CRITICAL`] firings would exhaust what a channel takes.
+    fn is_critical(&self, voxel: usize, column: usize) -> bool {
+        let (system, amounts) = (self.channels.system, &self.channels.ledger.amounts);
+        let species = system.reactor.species_count();
+        let scarce = |s: usize, taken: f64| {
+            !self.channels.is_held(voxel, s) && amounts[voxel * species + s] < CRITICAL * taken
+        };
+        match system.columns[column] {
+            Column::Reaction(r) => {
+                let changes = system.reactor.propensities.changes(r);
+                changes.iter().any(|&(s, change)| change < 0.0 && scarce(s as usize, -change))
+            }
+            Column::Hop(s) => scarce(s, 1.0),
+            Column::Sponge(s) => system.sponge(voxel * species + s).1 > 0.0 && scarce(s, 1.0),
+        }
+    }
+
+    /// Sorts out critical channels and gathers drift and spread; returns the sum of the critical rates.
+    fn survey(&mut self) -> f64 {
+        self.drift.fill(0.0);
+        self.spread.fill(0.0);
+        self.loss.fill(0.0);
+        let system = self.channels.system;
+        let species = system.reactor.species_count();
+        let mut sum = 0.0;
+        for channel in 0..self.critical.len() {
+            let rate = self.channels.rates[channel];
+            self.critical[channel] = false;
+            if rate <= 0.0 {
+                continue;
+            }
+            let (voxel, column) = (channel / self.channels.width, channel % self.channels.width);
+            if self.is_critical(voxel, column) {
+                self.critical[channel] = true;
+                sum += rate;
+                continue;
+            }
+            let mut add = |slot: usize, change: f64, rate: f64| {
+                self.drift[slot] += change * rate;
+                self.spread[slot] += change * change * rate;
+                self.loss[slot] -= change.min(0.0) * rate;
+            };
+            match system.columns[column] {
+                Column::Reaction(r) => {
+                    for &(s, change) in system.reactor.propensities.changes(r) {
+                        add(voxel * species + s as usize, change, rate);
+                    }
+                }
+                Column::Hop(s) => {
+                    add(voxel * species + s, -1.0, rate);
+                    if let Some(table) = system.frozen.table(s) {
+                        let leaving = table.leaving[voxel] / table.rate;
+                        for (j, p) in table.row(voxel).filter(|&(j, _)| j != voxel) {
+                            add(j * species + s, 1.0, rate * (p / leaving).min(1.0));
+                        }
+                    }
+                }
+                Column::Sponge(s) => {
+                    let (birth, _) = system.sponge(voxel * species + s);
+                    add(voxel * species + s, 1.0, birth);
+                    add(voxel * species + s, -1.0, rate - birth);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Longest leap of the channels that are not critical; paper, Eq. (33), and one bound more.
+    ///
+    /// In a balance of gain and loss the drift vanishes, and the paper's leaps may be as long as the time of
+    /// relaxation; the variance of n -> n + Poisson(b τ) - Poisson(n c τ) is then mean / (1 - c τ / 2). A leap that
+    /// takes at most 2 ε of an amount keeps this error at ε.
+    fn longest(&self) -> f64 {
+        let species = self.orders.len();
+        let mut longest = f64::INFINITY;
+        for (slot, &x) in self.channels.ledger.amounts.iter().enumerate() {
+            let s = slot % species;
+            if self.orders[s].0 == 0 || self.spread[slot] <= 0.0 || self.channels.is_held(slot / species, s) {
+                continue;
+            }
+            let change = (self.tolerance * x / self.steepness(s, x)).max(1.0);
+            longest = longest.min(change / self.drift[slot].abs()).min(change * change / self.spread[slot]);
+            longest = longest.min(2.0 * change / self.loss[slot]);
+        }
+        longest
+    }
+
+    /// One leap, not beyond `until`, or the decision to play single events.
+    fn leap(&mut self, until: f64) -> Result<(), RunError> {
+        let critical = self.survey();
+        let mut longest = self.longest();
+        let worth = WORTH / self.channels.rates.iter().sum::<f64>();
+        loop {
+            if longest < worth {
+                self.single = ONE_BY_ONE;
+                return Ok(());
+            }
+            let begun = self.channels.ledger.time;
+            let wait = if critical > 0.0 { exponential(&mut self.random) / critical } else { f64::INFINITY };
+            let left = until - begun;
+            let tau = longest.min(wait).min(left);
+            let one = wait <= longest && wait <= left;
+            self.before.clone_from(&self.channels.ledger);
+            self.fire_many(tau);
+            if one {
+                self.fire_critical(critical);
+            }
+            if self.channels.ledger.amounts.iter().any(|&n| n < 0.0) {
+                self.channels.ledger.clone_from(&self.before);
+                longest = 0.5 * longest.min(tau);
+                continue;
+            }
+            self.channels.ledger.time = if tau < left { begun + tau } else { until };
+            return self.channels.refresh_all();
+        }
+    }
+
+    /// Poisson numbers of events of all channels that are not critical; amounts may come out negative.
+    fn fire_many(&mut self, tau: f64) {
+        let system = self.channels.system;
+        for channel in 0..self.critical.len() {
+            let rate = self.channels.rates[channel];
+            if rate <= 0.0 || self.critical[channel] {
+                continue;
+            }
+            let times = poisson(&mut self.random, rate * tau);
+            if times == 0 {
+                continue;
+            }
+            let (voxel, column) = (channel / self.channels.width, channel % self.channels.width);
+            match system.columns[column] {
+                Column::Reaction(r) => self.react(voxel, r, times),
+                Column::Hop(s) => self.scatter(voxel, s, times),
+                Column::Sponge(s) => {
+                    let (birth, _) = system.sponge(voxel * self.orders.len() + s);
+                    let births = binomial(&mut self.random, times, birth / rate) as f64;
+                    self.channels.supply(voxel, s, 2.0 * births - times as f64);
+                }
+            }
+        }
+    }
+
+    fn react(&mut self, voxel: usize, r: usize, times: u64) {
+        for &(s, change) in self.channels.system.reactor.propensities.changes(r) {
+            self.channels.hand(voxel, s as usize, change * times as f64);
+        }
+        self.channels.ledger.counters.events += times;
+        self.channels.ledger.fired[r] += times;
+    }
+
+    /// Deals out `times` molecules that leave a voxel over its neighbours.
+    fn scatter(&mut self, voxel: usize, s: usize, times: u64) {
+        let Some(table) = self.channels.system.frozen.table(s) else { return };
+        self.channels.hand(voxel, s, -(times as f64));
+        self.channels.ledger.counters.hops += times;
+        let (mut left, mut share) = (times, table.leaving[voxel] / table.rate);
+        let mut last = voxel;
+        for (j, p) in table.row(voxel).filter(|&(j, p)| j != voxel && p > 0.0) {
+            let taken = binomial(&mut self.random, left, p / share);
+            self.channels.hand(j, s, taken as f64);
+            left -= taken;
+            share -= p;
+            last = j;
+        }
+        // Rounding of the shares may leave some for the last neighbour.
+        self.channels.hand(last, s, left as f64);
+    }
+
+    /// One event of a critical channel.
+    fn fire_critical(&mut self, total: f64) {
+        let mut left = self.random.random::<f64>() * total;
+        let mut chosen = None;
+        for (channel, &rate) in self.channels.rates.iter().enumerate() {
+            if self.critical[channel] {
+                chosen = Some(channel);
+                if left < rate {
+                    break;
+                }
+                left -= rate;
+            }
+        }
+        let Some(channel) = chosen else { return };
+        let (voxel, column) = (channel / self.channels.width, channel % self.channels.width);
+        let system = self.channels.system;
+        match system.columns[column] {
+            Column::Reaction(r) => self.react(voxel, r, 1),
+            Column::Hop(s) => self.scatter(voxel, s, 1),
+            Column::Sponge(s) => {
+                let (birth, _) = system.sponge(voxel * self.orders.len() + s);
+                let born = self.random.random::<f64>() * self.channels.rates[channel] < birth;
+                self.channels.supply(voxel, s, if born { 1.0 } else { -1.0 });
+            }
+        }
+    }
+
+    /// One exact event, unless it comes after `until`.
+    fn play_one(&mut self, until: f64) -> Result<(), RunError> {
+        let total: f64 = self.channels.rates.iter().sum();
+        let next = self.channels.ledger.time + exponential(&mut self.random) / total;
+        if next > until {
+            // What is waited for forgets how long it was waited for.
+            self.channels.ledger.time = until;
+            return Ok(());
+        }
+        self.channels.ledger.time = next;
+        let channel = choose(&self.channels.rates, total, self.random.random());
+        let width = self.channels.width;
+        self.channels.fire(channel / width, channel % width, &mut self.random)?;
+        Ok(())
+    }
+}
+
+impl EventMethod for TauLeaping<'_> {
+    fn advance(&mut self, until: f64) -> Result<(), RunError> {
+        while self.channels.ledger.time < until {
+            if self.channels.rates.iter().all(|&rate| rate <= 0.0) {
+                break;
+            }
+            if self.single > 0 {
+                self.single -= 1;
+                self.play_one(until)?;
+            } else {
+                self.leap(until)?;
+            }
+        }
+        self.channels.ledger.time = self.channels.ledger.time.max(until);
+        Ok(())
+    }
+
+    fn ledger(&self) -> &Ledger {
+        &self.channels.ledger
+    }
+}
+
+/// Highest order of the reactions that each species enters, with the most that enter one of that order; hops and
+/// sponges are of first order, rate laws count as third.
+fn orders(system: &System) -> Vec<(u32, u32)> {
+    let propensities = &system.reactor.propensities;
+    let mut orders = vec![(0, 0); system.reactor.species_count()];
+    let mut raise = |s: usize, order: (u32, u32)| orders[s] = order.max(orders[s]);
+    for column in &system.columns {
+        match *column {
+            Column::Hop(s) | Column::Sponge(s) => raise(s, (1, 1)),
+            Column::Reaction(r) => match propensities.product(r, system.frozen.scales[0]) {
+                Some((_, factors)) => {
+                    for &(s, _) in &factors {
+                        let of_kind = factors.iter().filter(|f| f.0 == s).count();
+                        raise(s as usize, (factors.len() as u32, of_kind as u32));
+                    }
+                }
+                None => propensities.inputs(r).iter().for_each(|&s| raise(s as usize, (3, 3))),
+            },
+        }
+    }
+    orders
+}

@@ -1,0 +1,91 @@
+//! Event-driven realizations on particles that stay where they are: no step, no splitting.
+
+use super::events::{self, Share};
+use super::particles::Ready;
+use super::realization::Reservoirs;
+use super::{Outcome, Tally, Watch};
+use crate::chemistry::sampling_numbers::poisson;
+use crate::chemistry::ssa::System;
+use crate::error::RunError;
+use crate::model::Method;
+use crate::random::{Purpose, stream};
+use crate::sampling::{Lens, Observed};
+use rayon::prelude::*;
+use std::time::Instant;
+
+impl<const D: usize> Ready<'_, D> {
+    /// Realizations one by one; those that finish are kept whatever befalls others.
+    pub(super) fn run_events(
+        &self,
+        realizations: &[u32],
+        method: Method,
+        mut tally: Tally,
+        watch: &Watch,
+    ) -> Outcome {
+        watch.begin(realizations.len() as u64, "realizations");
+        let system = self.system();
+        let lens = Lens::new(self.plan, &self.scene);
+        let begun = Instant::now();
+        let found: Vec<Result<Option<(Share, Observed)>, RunError>> = realizations
+            .par_iter()
+            .map(|&number| {
+                let found =
+                    if watch.stopped() { None } else { self.one(&system, &lens, method, number, watch)? };
+                watch.advance(1);
+                Ok(found)
+            })
+            .collect();
+        tally.chemistry_seconds = begun.elapsed().as_secs_f64();
+        events::gather(found, tally, self.plan.model.output.times.len())
+    }
+
+    /// The reactions and hops of the scene, with sponges as births and deaths and with held Poisson numbers by
+    /// their means.
+    fn system(&self) -> System<'_> {
+        let mut system = System::new(&self.plan.reactor, &self.frozen);
+        for sponge in &Reservoirs::new(self.plan, &self.scene).sponges {
+            system.add_sponge(&sponge.voxels, sponge.species, sponge.rate, &sponge.targets);
+        }
+        for (species, voxels, _) in &self.start.held_poisson {
+            system.hold_means(voxels, *species);
+        }
+        system
+    }
+
+    /// One realization; `None` if it was stopped.
+    fn one(
+        &self,
+        system: &System,
+        lens: &Lens<D>,
+        method: Method,
+        number: u32,
+        watch: &Watch,
+    ) -> Result<Option<(Share, Observed)>, RunError> {
+        let (model, count) = (&self.plan.model, self.plan.reactor.species.len());
+        let key = (model.run.seed, u64::from(number));
+        let mut amounts = self.start.amounts.clone();
+        let mut random = stream(key.0, key.1, Purpose::Deal);
+        for &(index, mean) in &self.start.poisson {
+            amounts[index as usize] += poisson(&mut random, mean) as f64;
+        }
+        let mut observed = Observed::new(number);
+        let Some(mut played) = events::start(method, &model.chemistry, system, amounts, key)? else {
+            return Ok(None);
+        };
+        let mut reservoirs = stream(key.0, key.1, Purpose::Reservoirs);
+        let mut shown = Vec::new();
+        let times = &model.output.times;
+        let share = events::play(system, played.as_mut(), times, watch, |time, amounts| {
+            // A held Poisson number is dealt anew whenever it is shown; it acts by its mean.
+            shown.clear();
+            shown.extend_from_slice(amounts);
+            for (s, voxels, means) in &self.start.held_poisson {
+                for (&voxel, &mean) in voxels.iter().zip(means) {
+                    shown[voxel as usize * count + s] = poisson(&mut reservoirs, mean) as f64;
+                }
+            }
+            lens.look(&shown, time, false, &mut observed);
+        })?;
+        Ok(share.map(|share| (share, observed)))
+    }
+}

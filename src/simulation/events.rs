@@ -1,0 +1,134 @@
+//! Event-driven realizations, wherever the voxels stay: which method, and how a realization is played.
+
+use super::{Outcome, Tally, Watch};
+use crate::chemistry::split::{Counters, Modes};
+use crate::chemistry::ssa::{
+    CompositionRejection, Direct, EventMethod, Key, NextReaction, NextSubvolume, System, TauLeaping,
+};
+use crate::error::RunError;
+use crate::model::{Chemistry, Method};
+use crate::sampling::Observed;
+
+/// Parts of an output interval between which a realization can be stopped.
+const SLICES: u32 = 8;
+
+/// What one realization adds to the tally.
+#[derive(Default)]
+pub(super) struct Share {
+    pub counters: Counters,
+    pub supplied: Vec<f64>,
+    /// Sum over species of |end - start - reactions - supplied|.
+    pub lost: f64,
+    /// Where hybrid species were what, and what was withheld; of split realizations only.
+    pub modes: Modes,
+    pub withheld: f64,
+}
+
+/// One realization by the method of this name; `None` if it is not event driven.
+pub(super) fn start<'a>(
+    method: Method,
+    chemistry: &Chemistry,
+    system: &'a System<'a>,
+    amounts: Vec<f64>,
+    key: Key,
+) -> Result<Option<Box<dyn EventMethod + 'a>>, RunError> {
+    Ok(Some(match method {
+        Method::Direct => Box::new(Direct::new(system, amounts, key)?),
+        Method::NextReaction => Box::new(NextReaction::new(system, amounts, key)?),
+        Method::CompositionRejection => Box::new(CompositionRejection::new(system, amounts, key)?),
+        Method::NextSubvolume => Box::new(NextSubvolume::new(system, amounts, key)?),
+        Method::TauLeaping => Box::new(TauLeaping::new(system, amounts, chemistry.tolerance, key)?),
+        Method::Split => return Ok(None),
+    }))
+}
+
+/// Plays a realization through the output `times` and lets `look` see the amounts at each; `None` if it was
+/// stopped.
+pub(super) fn play(
+    system: &System,
+    method: &mut dyn EventMethod,
+    times: &[f64],
+    watch: &Watch,
+    mut look: impl FnMut(f64, &[f64]),
+) -> Result<Option<Share>, RunError> {
+    let begun = free_totals(system, method.amounts());
+    for &time in times {
+        // Slices only so that the wish to stop is heard; the course of exact methods does not depend on them.
+        let from = method.time();
+        for slice in 1..=SLICES {
+            if watch.stopped() {
+                return Ok(None);
+            }
+            let part = from + (time - from) * f64::from(slice) / f64::from(SLICES);
+            method.advance(if slice == SLICES { time } else { part })?;
+        }
+        look(time, method.amounts());
+    }
+    let ledger = method.ledger();
+    let end = free_totals(system, &ledger.amounts);
+    let lost = (0..end.len())
+        .map(|s| {
+            let made = system.reactor.made(&ledger.fired, s);
+            (end[s] - begun[s] - made - ledger.supplied[s]).abs()
+        })
+        .sum();
+    Ok(Some(Share { counters: ledger.counters, supplied: ledger.supplied.clone(), lost, ..Share::default() }))
+}
+
+/// An outcome from what the realizations came to, in their order; those that finished are kept.
+pub(super) fn gather(
+    found: Vec<Result<Option<(Share, Observed)>, RunError>>,
+    mut tally: Tally,
+    times: usize,
+) -> Outcome {
+    let mut outcome = Outcome { times, ..Outcome::default() };
+    for result in found {
+        match result {
+            Ok(Some((share, observed))) => {
+                tally.reaction_events += share.counters.events;
+                tally.hops += share.counters.hops;
+                tally.lost += share.lost;
+                tally.supplied.iter_mut().zip(&share.supplied).for_each(|(sum, n)| *sum += n);
+                outcome.observed.push(observed);
+            }
+            Ok(None) => outcome.interrupted = true,
+            Err(error) => outcome.error = outcome.error.or(Some(error)),
+        }
+    }
+    outcome.tally = tally;
+    outcome
+}
+
+/// Molecules of each species where it is not held: whole numbers, so that the books close exactly.
+fn free_totals(system: &System, amounts: &[f64]) -> Vec<f64> {
+    let count = system.reactor.species_count();
+    let free = |slot: &usize| !system.frozen.is_held(*slot);
+    (0..count)
+        .map(|s| (s..amounts.len()).step_by(count).filter(free).map(|slot| amounts[slot]).sum())
+        .collect()
+}
+
+/// Name and source of a method.
+pub(super) fn words(method: Method) -> &'static str {
+    match method {
+        Method::Direct => "direct method (Gillespie 1976), exact",
+        Method::NextReaction => "next reaction method (Gibson & Bruck 2000), exact",
+        Method::CompositionRejection => {
+            "composition-rejection method (Slepoy, Thompson & Plimpton 2008), exact"
+        }
+        Method::NextSubvolume => "next subvolume method (Elf & Ehrenberg 2004), exact",
+        Method::TauLeaping => "tau-leaping (Cao, Gillespie & Petzold 2006), approximate",
+        Method::Split => "diffusion and reaction in turn, Strang splitting",
+    }
+}
+
+/// What is approximate about an event-driven method, in words.
+pub(super) fn approximations(method: Method, chemistry: &Chemistry) -> Vec<String> {
+    if method != Method::TauLeaping {
+        return Vec::new();
+    }
+    vec![format!(
+        "tau-leaping: propensities are held constant over leaps in which none is expected to change by more than {} of itself; leaps that would make a count negative are taken again at half the length",
+        chemistry.tolerance
+    )]
+}
