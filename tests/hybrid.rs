@@ -206,3 +206,31 @@ fn hybrid_ligand_on_a_flow() {
     let page = std::fs::read_to_string(dir.join("report.html")).unwrap();
     assert!(page.contains("Hybrid species") && page.contains("hybrid"));
 }
+
+/// A held real amount of a third of a molecule still binds: an event takes nothing from a reservoir. R binds at
+/// 0.3 per receptor and s, so that 50 (1 - e^{-0.6}) of 50 are bound after 2 s; 400 realizations, binomial,
+/// 4 standard errors (chance 6e-5).
+#[test]
+fn a_held_amount_below_one_molecule_acts() {
+    let bench = Bench::new();
+    let text = "name: held
+reactions:
+  kinetics: molecules
+  species: { L: { representation: continuous }, R: {}, RL: {} }
+  reactions:
+    bind: { equation: R + L -> RL, rate: 1 1/s }
+domain: { kind: particles, dimensions: 1, min: [0], max: [1 um] }
+particles: { spacing: 1 um, support: 1.2 }
+conditions: { bath: { held: { in: medium, species: { L: 0.498161618 nM } } } }
+initial: { R: 50 }
+run: { until: 2 s, realizations: 400, seed: 12 }
+output: { times: [2 s] }
+";
+    let series = bench.series(text, &[]);
+    let level = amounts(&series, "all", "L", 2.0)[0];
+    assert!((level - 0.3).abs() < 1e-6, "{level}");
+    let bound = amounts(&series, "all", "RL", 2.0);
+    let p = 1.0 - (-0.6_f64).exp();
+    let error = (50.0 * p * (1.0 - p) / 400.0).sqrt();
+    assert!((mean(&bound) - 50.0 * p).abs() < 4.0 * error, "{} against {}", mean(&bound), 50.0 * p);
+}

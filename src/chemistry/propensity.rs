@@ -217,8 +217,18 @@ impl Propensities {
     #[inline]
     #[must_use]
     pub fn propensity_at(&self, r: usize, amounts: &[f64], scale: Scale) -> f64 {
+        self.propensity_beside(r, amounts, scale, &[])
+    }
+
+    /// [`Propensities::propensity_at`] where some species are `held` (one flag per species, or none at all): an
+    /// event takes nothing from those, so that less than a molecule of them is enough.
+    #[inline]
+    #[must_use]
+    pub fn propensity_beside(&self, r: usize, amounts: &[f64], scale: Scale, held: &[bool]) -> f64 {
         let reaction = &self.compiled[r];
-        if reaction.guarded && self.changes(r).iter().any(|&(s, c)| amounts[s as usize] + c < 0.0) {
+        let held = |s: u32| held.get(s as usize).copied().unwrap_or(false);
+        let short = |&(s, c): &(u32, f64)| amounts[s as usize] + c < 0.0 && !held(s);
+        if reaction.guarded && self.changes(r).iter().any(short) {
             return 0.0;
         }
         let product = match reaction.form {

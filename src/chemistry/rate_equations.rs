@@ -288,7 +288,8 @@ impl RateEquations {
         }
         for &r in voxel.sampled {
             let r = r as usize;
-            let a = voxel.propensities.propensity_at(r, amounts, voxel.scale) * voxel.weight(r);
+            let a =
+                voxel.propensities.propensity_beside(r, amounts, voxel.scale, voxel.held) * voxel.weight(r);
             if !a.is_finite() {
                 return Err(reactor.bad_propensity(r, a, time, voxel.index, amounts));
             }

@@ -31,16 +31,16 @@ impl SplitState {
                 continue;
             }
             let row = i * species..(i + 1) * species;
+            let held: &[bool] = if frozen.held.is_empty() { &[] } else { &frozen.held[row.clone()] };
             if lists.plain && frozen.weights.is_empty() {
                 let propensities = reactor.propensities_in(mode);
-                let idle =
-                    hazard(propensities, &lists.sampled, &self.amounts[row.clone()], frozen.scales[i]) * dt;
+                let here = (&self.amounts[row.clone()], frozen.scales[i], held);
+                let idle = hazard(propensities, &lists.sampled, here) * dt;
                 if idle < self.clocks[i] {
                     self.clocks[i] -= idle;
                     continue;
                 }
             }
-            let held: &[bool] = if frozen.held.is_empty() { &[] } else { &frozen.held[row.clone()] };
             let voxel = Voxel {
                 index: i,
                 scale: frozen.scales[i],
@@ -85,10 +85,14 @@ impl SplitState {
 
 /// Sum of the propensities of reactions that nothing but events changes; not a number if one is negative.
 #[inline]
-fn hazard(propensities: &Propensities, sampled: &[u32], amounts: &[f64], scale: Scale) -> f64 {
+fn hazard(
+    propensities: &Propensities,
+    sampled: &[u32],
+    (amounts, scale, held): (&[f64], Scale, &[bool]),
+) -> f64 {
     let (mut total, mut least) = (0.0, 0.0_f64);
     for &r in sampled {
-        let a = propensities.propensity_at(r as usize, amounts, scale);
+        let a = propensities.propensity_beside(r as usize, amounts, scale, held);
         total += a;
         least = if a < least { a } else { least };
     }
@@ -168,12 +172,13 @@ impl Cell<'_> {
         self.propensities.clear();
         let mut total = 0.0;
         for &r in voxel.sampled {
-            let mut a = voxel.propensities.propensity_at(r as usize, self.amounts, voxel.scale);
+            let r = r as usize;
+            let mut a = voxel.propensities.propensity_beside(r, self.amounts, voxel.scale, voxel.held);
             if !voxel.weights.is_empty() {
-                a *= voxel.weight(r as usize);
+                a *= voxel.weight(r);
             }
             if !(0.0..f64::INFINITY).contains(&a) {
-                return Err(self.reactor.bad_propensity(r as usize, a, time, voxel.index, self.amounts));
+                return Err(self.reactor.bad_propensity(r, a, time, voxel.index, self.amounts));
             }
             self.propensities.push(a);
             total += a;
@@ -219,7 +224,9 @@ impl Cell<'_> {
     fn withheld(&self, r: usize) -> f64 {
         let voxel = &self.voxel;
         let short = voxel.propensities.changes(r).iter().any(|&(s, change)| {
-            !voxel.propensities.whole(s as usize) && self.amounts[s as usize] + change < 0.0
+            let s = s as usize;
+            let held = voxel.held.get(s).copied().unwrap_or(false);
+            !held && !voxel.propensities.whole(s) && self.amounts[s] + change < 0.0
         });
         if short { voxel.propensities.flux_at(r, self.amounts, voxel.scale) * voxel.weight(r) } else { 0.0 }
     }

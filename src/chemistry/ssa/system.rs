@@ -139,7 +139,8 @@ impl<'a> System<'a> {
                 }
                 let (propensities, scale) = (&self.reactor.propensities, self.frozen.scales[voxel]);
                 let a = if self.means.is_empty() {
-                    propensities.propensity_at(r, row, scale)
+                    let held = self.frozen.held.get(first..first + row.len()).unwrap_or_default();
+                    propensities.propensity_beside(r, row, scale, held)
                 } else {
                     propensities.mean_at(r, row, scale, |s| self.means[first + s])
                 };
