@@ -189,5 +189,8 @@ fn every_method_knows_surfaces(
     let found = seen.iter().sum::<f64>() / n;
     let variance = seen.iter().map(|s| (s - found) * (s - found)).sum::<f64>() / (n - 1.0);
     assert!((found - mean).abs() < 4.5 * (mean / n).sqrt(), "{found} against {mean}");
-    assert!((variance - mean).abs() < 4.5 * ((mean + 2.0 * mean * mean) / n).sqrt(), "{variance} against {mean}");
+    assert!(
+        (variance - mean).abs() < 4.5 * ((mean + 2.0 * mean * mean) / n).sqrt(),
+        "{variance} against {mean}"
+    );
 }

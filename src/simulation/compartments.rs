@@ -7,7 +7,8 @@ use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::split::{
     Frozen, SplitState, SplittingError, longest_euler_step, splitting_error, step_bounds,
 };
-use crate::chemistry::ssa::System;
+use crate::chemistry::ssa::side_by_side::{Task, fits, side_by_side};
+use crate::chemistry::ssa::{Key, System};
 use crate::error::RunError;
 use crate::model::{Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
@@ -21,6 +22,9 @@ use crate::sampling::{Observed, Sums};
 use crate::vector::Vector;
 use rayon::prelude::*;
 use std::time::Instant;
+
+/// What a realization came to; `None` if it was stopped.
+type Found = Result<Option<(Share, Observed)>, RunError>;
 
 /// A plan of compartments, ready to run.
 pub struct Ready<'p> {
@@ -116,13 +120,11 @@ impl<'p> Ready<'p> {
         watch.begin(realizations.len() as u64, "realizations");
         let begun = Instant::now();
         let system = System::new(&self.plan.reactor, &self.frozen);
-        let found: Vec<Result<Option<(Share, Observed)>, RunError>> = realizations
-            .par_iter()
-            .map(|&number| {
-                let found = if watch.stopped() { None } else { self.one(&system, number, watch)? };
-                watch.advance(1);
-                Ok(found)
-            })
+        // Parts small enough to keep all threads busy to the end, large enough to be worth the handing out.
+        let part = (realizations.len() / (8 * rayon::current_num_threads())).clamp(1, 64);
+        let found: Vec<Found> = realizations
+            .par_chunks(part)
+            .flat_map_iter(|numbers| self.several(&system, numbers, watch))
             .collect();
         let mut tally = Tally {
             steps: self.steps(),
@@ -137,6 +139,50 @@ impl<'p> Ready<'p> {
         events::gather(found, tally, self.plan.model.output.times.len())
     }
 
+    /// A few realizations on one thread.
+    fn several(&self, system: &System, numbers: &[u32], watch: &Watch) -> Vec<Found> {
+        if self.arena.method != Method::Direct || !fits(system) {
+            let one = |&number: &u32| {
+                let found = if watch.stopped() { None } else { self.one(system, number, watch)? };
+                watch.advance(1);
+                Ok(found)
+            };
+            return numbers.iter().map(one).collect();
+        }
+        let mut observed: Vec<Observed> = numbers.iter().map(|&number| Observed::new(number)).collect();
+        let task = Task {
+            count: numbers.len(),
+            halts: &events::halts(&self.plan.model.output.times),
+            start: &|k| (self.deal(numbers[k]), self.key(numbers[k])),
+            stopped: &|| watch.stopped(),
+        };
+        let played =
+            side_by_side(system, &task, |k, amounts| self.sums.look(amounts, &mut observed[k].series));
+        watch.advance(numbers.len() as u64);
+        let found = played.into_iter().zip(observed).zip(numbers);
+        found
+            .map(|((played, seen), &number)| {
+                let begun = || events::free_totals(system, &self.deal(number));
+                Ok(played?.map(|ledger| (events::share(system, &begun(), &ledger), seen)))
+            })
+            .collect()
+    }
+
+    fn key(&self, number: u32) -> Key {
+        (self.plan.model.run.seed, u64::from(number))
+    }
+
+    /// Amounts of realization `number` at the start.
+    fn deal(&self, number: u32) -> Vec<f64> {
+        let (seed, realization) = self.key(number);
+        let mut amounts = self.start.amounts.clone();
+        let mut random = stream(seed, realization, Purpose::Deal);
+        for &(index, mean) in &self.start.poisson {
+            amounts[index as usize] += poisson(&mut random, mean) as f64;
+        }
+        amounts
+    }
+
     /// One realization; `None` if it was stopped.
     fn one(
         &self,
@@ -145,12 +191,7 @@ impl<'p> Ready<'p> {
         watch: &Watch,
     ) -> Result<Option<(Share, Observed)>, RunError> {
         let model = &self.plan.model;
-        let key = (model.run.seed, u64::from(number));
-        let mut amounts = self.start.amounts.clone();
-        let mut random = stream(key.0, key.1, Purpose::Deal);
-        for &(index, mean) in &self.start.poisson {
-            amounts[index as usize] += poisson(&mut random, mean) as f64;
-        }
+        let (amounts, key) = (self.deal(number), self.key(number));
         let mut observed = Observed::new(number);
         let found = if let Some((clock, _)) = &self.split {
             self.step(

@@ -3,7 +3,7 @@
 use super::{Outcome, Tally, Watch};
 use crate::chemistry::split::{Counters, Modes};
 use crate::chemistry::ssa::{
-    CompositionRejection, Direct, EventMethod, Key, NextReaction, NextSubvolume, System, TauLeaping,
+    CompositionRejection, Direct, EventMethod, Key, Ledger, NextReaction, NextSubvolume, System, TauLeaping,
 };
 use crate::error::RunError;
 use crate::model::{Chemistry, Method};
@@ -52,19 +52,34 @@ pub(super) fn play(
     mut look: impl FnMut(f64, &[f64]),
 ) -> Result<Option<Share>, RunError> {
     let begun = free_totals(system, method.amounts());
-    for &time in times {
-        // Slices only so that the wish to stop is heard; the course of exact methods does not depend on them.
-        let from = method.time();
-        for slice in 1..=SLICES {
-            if watch.stopped() {
-                return Ok(None);
-            }
-            let part = from + (time - from) * f64::from(slice) / f64::from(SLICES);
-            method.advance(if slice == SLICES { time } else { part })?;
+    for (time, seen) in halts(times) {
+        if watch.stopped() {
+            return Ok(None);
         }
-        look(time, method.amounts());
+        method.advance(time)?;
+        if seen {
+            look(time, method.amounts());
+        }
     }
-    let ledger = method.ledger();
+    Ok(Some(share(system, &begun, method.ledger())))
+}
+
+/// The output times, seen, and some between them so that the wish to stop is heard; the course of exact methods
+/// does not depend on those.
+pub(super) fn halts(times: &[f64]) -> Vec<(f64, bool)> {
+    let mut from = 0.0;
+    let mut found = Vec::with_capacity(times.len() * SLICES as usize);
+    for &time in times {
+        let part = |slice: u32| from + (time - from) * f64::from(slice) / f64::from(SLICES);
+        found.extend((1..SLICES).map(|slice| (part(slice), false)));
+        found.push((time, true));
+        from = time;
+    }
+    found
+}
+
+/// What a realization came to, from its free totals at the start and its books.
+pub(super) fn share(system: &System, begun: &[f64], ledger: &Ledger) -> Share {
     let end = free_totals(system, &ledger.amounts);
     let lost = (0..end.len())
         .map(|s| {
@@ -72,7 +87,7 @@ pub(super) fn play(
             (end[s] - begun[s] - made - ledger.supplied[s]).abs()
         })
         .sum();
-    Ok(Some(Share { counters: ledger.counters, supplied: ledger.supplied.clone(), lost, ..Share::default() }))
+    Share { counters: ledger.counters, supplied: ledger.supplied.clone(), lost, ..Share::default() }
 }
 
 /// An outcome from what the realizations came to, in their order; those that finished are kept.
@@ -100,7 +115,7 @@ pub(super) fn gather(
 }
 
 /// Molecules of each species where it is not held: whole numbers, so that the books close exactly.
-fn free_totals(system: &System, amounts: &[f64]) -> Vec<f64> {
+pub(super) fn free_totals(system: &System, amounts: &[f64]) -> Vec<f64> {
     let count = system.reactor.species_count();
     let free = |slot: &usize| !system.frozen.is_held(*slot);
     (0..count)

@@ -5,7 +5,7 @@
 //! tree of sums (Li & Petzold 2006) and then along the channels of a voxel.
 
 use super::channels::{Channels, choose};
-use super::flat::Flat;
+use super::flat::{Flat, Lane};
 use super::sums::SumTree;
 use super::{EventMethod, Key, Ledger, System};
 use crate::chemistry::sampling_numbers::exponential;
@@ -93,7 +93,7 @@ impl EventMethod for Direct<'_> {
 
     fn ledger(&self) -> &Ledger {
         match &self.0 {
-            Domain::One(flat) => &flat.ledger,
+            Domain::One(flat) => flat.ledger(),
             Domain::Many(voxels) => &voxels.channels.ledger,
         }
     }

@@ -31,11 +31,27 @@ const BLOCK: usize = 4;
 /// length are foreseen by the processor, and cost less than those that are short by chance.
 const EVEN: usize = 8;
 
+/// The verbs of a realization of one volume.
+pub(super) trait Lane {
+    /// Time of the next event, s.
+    fn next(&self) -> f64;
+
+    /// Plays the next event and draws the time of the one after.
+    fn event(&mut self) -> Result<(), RunError>;
+
+    /// Ends at `until`, no event being due before, and brings the books up to date.
+    fn reach(&mut self, until: f64) -> Result<(), RunError>;
+
+    fn ledger(&self) -> &Ledger;
+
+    fn into_ledger(self) -> Ledger;
+}
+
 /// One realization of one volume.
 #[derive(Clone, Debug)]
 pub(super) struct Flat<'a> {
     system: &'a System<'a>,
-    pub ledger: Ledger,
+    ledger: Ledger,
     /// Molecules of each species, then a 1, then a place for changes that change nothing.
     counts: Vec<f64>,
     /// One for each reaction, filled up to whole blocks and one more by products that are zero.
@@ -123,39 +139,16 @@ impl<'a> Flat<'a> {
     /// Plays all events up to `until`.
     pub fn advance(&mut self, until: f64) -> Result<(), RunError> {
         while self.next <= until {
-            self.ledger.time = self.next;
-            let left = self.random.random::<f64>() * self.total;
-            // As many partial sums lie below or at the mark as there are reactions before the chosen one. One
-            // of propensity zero adds nothing to the sum before it, so it is never chosen; and the mark lies
-            // below the total.
-            let r = self.partial.iter().map(|&sum| u64::from(sum <= left)).sum::<u64>() as usize;
-            self.ledger.fired[r] += 1;
-            for &(s, change) in self.changes.row(r) {
-                self.counts[s as usize] += change;
-            }
-            for &q in self.affected.row(r) {
-                self.rates[q as usize] = self.products[q as usize].value(&self.counts);
-            }
-            if self.has_laws {
-                for k in 0..self.laws.row(r).len() {
-                    self.evaluate_law(self.laws.row(r)[k] as usize)?;
-                }
-            }
-            self.total = sum_up(&self.rates, &mut self.partial);
-            self.next = self.ledger.time + exponential(&mut self.random) / self.total;
-            if !(self.total > 0.0 && self.total < f64::INFINITY) {
-                self.check_total()?;
-                self.next = f64::INFINITY;
-            }
+            self.event()?;
         }
-        self.ledger.time = self.ledger.time.max(until);
-        self.keep_books()
+        self.reach(until)
     }
 
     fn evaluate_law(&mut self, r: usize) -> Result<(), RunError> {
         let (reactor, frozen) = (self.system.reactor, self.system.frozen);
         let row = &self.counts[..reactor.species_count()];
-        let a = self.system.weight(0, r) * reactor.propensities.propensity_at(r, row, frozen.scales[0]);
+        let a = self.system.weight(0, r)
+            * reactor.propensities.propensity_beside(r, row, frozen.scales[0], &frozen.held);
         if !(0.0..f64::INFINITY).contains(&a) {
             return Err(reactor.bad_propensity(r, a, self.ledger.time, 0, row));
         }
@@ -176,22 +169,56 @@ impl<'a> Flat<'a> {
         let row = &self.counts[..reactor.species_count()];
         Err(reactor.bad_propensity(r, self.rates[r], self.ledger.time, 0, row))
     }
+}
 
-    /// Brings the ledger up to date; what reactions changed of held species was supplied.
-    fn keep_books(&mut self) -> Result<(), RunError> {
-        let (reactor, ledger) = (self.system.reactor, &mut self.ledger);
-        let species = reactor.species_count();
-        ledger.amounts.copy_from_slice(&self.counts[..species]);
-        ledger.counters.events = ledger.fired.iter().sum();
-        for s in 0..species {
-            if self.system.frozen.is_held(s) {
-                ledger.supplied[s] = -reactor.made(&ledger.fired, s);
-            }
-            if ledger.amounts[s] < 0.0 {
-                return Err(reactor.negative_count(s, ledger.amounts[s], 0, ledger.time, 0));
+impl Lane for Flat<'_> {
+    fn next(&self) -> f64 {
+        self.next
+    }
+
+    #[inline]
+    fn event(&mut self) -> Result<(), RunError> {
+        self.ledger.time = self.next;
+        let left = self.random.random::<f64>() * self.total;
+        let wait = exponential(&mut self.random);
+        // As many partial sums lie below or at the mark as there are reactions before the chosen one. One
+        // of propensity zero adds nothing to the sum before it, so it is never chosen; and the mark lies
+        // below the total.
+        let r = self.partial.iter().map(|&sum| u64::from(sum <= left)).sum::<u64>() as usize;
+        self.ledger.fired[r] += 1;
+        for &(s, change) in self.changes.row(r) {
+            self.counts[s as usize] += change;
+        }
+        for &q in self.affected.row(r) {
+            self.rates[q as usize] = self.products[q as usize].value(&self.counts);
+        }
+        if self.has_laws {
+            for k in 0..self.laws.row(r).len() {
+                self.evaluate_law(self.laws.row(r)[k] as usize)?;
             }
         }
+        self.total = sum_up(&self.rates, &mut self.partial);
+        self.next = self.ledger.time + wait / self.total;
+        if !(self.total > 0.0 && self.total < f64::INFINITY) {
+            self.check_total()?;
+            self.next = f64::INFINITY;
+        }
         Ok(())
+    }
+
+    fn reach(&mut self, until: f64) -> Result<(), RunError> {
+        self.ledger.time = self.ledger.time.max(until);
+        let species = self.ledger.amounts.len();
+        self.ledger.amounts.copy_from_slice(&self.counts[..species]);
+        self.ledger.balance(self.system)
+    }
+
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn into_ledger(self) -> Ledger {
+        self.ledger
     }
 }
 
@@ -206,8 +233,8 @@ fn even<T: Clone>(mut rows: Vec<Vec<T>>, with: T) -> Rows<T> {
 
 /// Partial sums of the rates; returns the last. Within a block they are formed in pairs, which takes half as
 /// long as one after the other; they never fall, and stay equal over a rate of zero.
-#[inline]
-fn sum_up(rates: &[f64], partial: &mut [f64]) -> f64 {
+#[inline(always)]
+pub(super) fn sum_up(rates: &[f64], partial: &mut [f64]) -> f64 {
     let mut before = 0.0;
     for (sums, a) in partial.chunks_exact_mut(BLOCK).zip(rates.chunks_exact(BLOCK)) {
         let pair = a[0] + a[1];

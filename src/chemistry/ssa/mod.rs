@@ -21,6 +21,8 @@ mod groups;
 pub mod heap;
 pub mod next_reaction;
 pub mod next_subvolume;
+pub mod side_by_side;
+mod small;
 mod sums;
 pub mod system;
 pub mod tau_leaping;
@@ -61,6 +63,21 @@ impl Ledger {
             fired: vec![0; system.reactor.propensities.len()],
             counters: Counters::default(),
         }
+    }
+
+    /// Counts events and books what reactions changed of held species, from the events of each reaction.
+    fn balance(&mut self, system: &System) -> Result<(), RunError> {
+        let reactor = system.reactor;
+        self.counters.events = self.fired.iter().sum();
+        for s in 0..self.amounts.len() {
+            if system.frozen.is_held(s) {
+                self.supplied[s] = -reactor.made(&self.fired, s);
+            }
+            if self.amounts[s] < 0.0 {
+                return Err(reactor.negative_count(s, self.amounts[s], 0, self.time, 0));
+            }
+        }
+        Ok(())
     }
 }
 
