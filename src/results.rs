@@ -25,17 +25,25 @@ impl Results {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, dir: &Path) -> Result<(), RunError> {
-        tables::write_series(dir, &self.times, &self.columns, &self.blocks)?;
-        tables::write_statistics(dir, &self.times, &self.columns, &self.blocks)?;
-        if self.covariance {
-            tables::write_covariance(dir, &self.times, &self.columns, &self.blocks)?;
-        }
-        if !self.record.histograms.is_empty() {
-            tables::write_histograms(dir, &self.times, &self.columns, &self.blocks, &self.record.histograms)?;
-        }
-        if !self.probes.is_empty() {
-            tables::write_probes(dir, &self.probes)?;
-        }
+        let (times, columns, blocks) = (&self.times, &self.columns, &self.blocks);
+        let rest = || -> Result<(), RunError> {
+            if self.covariance {
+                tables::write_covariance(dir, times, columns, blocks)?;
+            }
+            if !self.record.histograms.is_empty() {
+                tables::write_histograms(dir, times, columns, blocks, &self.record.histograms)?;
+            }
+            if !self.probes.is_empty() {
+                tables::write_probes(dir, &self.probes)?;
+            }
+            Ok(())
+        };
+        // Each table is a file of its own; the long one takes as long as the others together.
+        let (series, (statistics, rest)) = rayon::join(
+            || tables::write_series(dir, times, columns, blocks),
+            || (tables::write_statistics(dir, times, columns, blocks), rest()),
+        );
+        series.and(statistics).and(rest)?;
         tables::write_record(dir, &self.record)
     }
 

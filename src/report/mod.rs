@@ -14,6 +14,7 @@ mod summary;
 use crate::error::RunError;
 use crate::figures::{self, Figure, Samples, escape};
 use crate::tables;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Draws `figures/` and writes `report.html` in a run's folder.
@@ -24,13 +25,14 @@ pub fn write(dir: &Path) -> Result<(), RunError> {
     let samples = Samples::read(dir)?;
     let drawn = figures::draw(&samples);
     let folder = dir.join("figures");
-    for figure in &drawn {
-        figures::save(figure, &folder)?;
-    }
-    let mut shown = Vec::new();
-    for (number, figure) in drawn.iter().enumerate() {
-        shown.push((section(figure), inline(figure, number + 1, &folder)?));
-    }
+    let shown = drawn
+        .par_iter()
+        .enumerate()
+        .map(|(number, figure)| {
+            figures::save(figure, &folder)?;
+            Ok((section(figure), inline(figure, number + 1, &folder)?))
+        })
+        .collect::<Result<Vec<(usize, String)>, RunError>>()?;
     let page = page(&samples, &shown);
     tables::write_bytes(&dir.join("report.html"), page.as_bytes())
 }

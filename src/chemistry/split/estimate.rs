@@ -24,7 +24,7 @@ pub struct SplittingError {
 pub type Feed<'a> = dyn Fn(&mut [f64], f64) + 'a;
 
 /// Elementary operations spent on it at most; some tenths of a second.
-const BUDGET: f64 = 1e8;
+const BUDGET: f64 = 5e7;
 
 /// Operations of a reaction in a voxel: a step of the rate equations.
 const PER_REACTION: f64 = 100.0;
