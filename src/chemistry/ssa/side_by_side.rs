@@ -101,3 +101,52 @@ fn next_arrival<L: Lane>(runners: &mut [Runner<L>], halts: &[Halt]) -> Option<(u
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chemistry::network::Kinetics;
+    use crate::chemistry::reactor::example::{Equation, network};
+    use crate::chemistry::split::Frozen;
+    use crate::chemistry::ssa::{Direct, EventMethod};
+    use crate::chemistry::{Links, Reactor};
+
+    /// Realizations side by side, in tables of either length and without, are those of the direct method alone.
+    #[test]
+    fn each_is_as_it_would_be_alone() {
+        let birth: Equation = (&[], &[(0, 1)], 30.0);
+        let turns: Vec<Equation> = vec![
+            (&[(0, 1)], &[(1, 1)], 1.0),
+            (&[(1, 1)], &[(0, 1)], 0.5),
+            (&[(0, 2)], &[(2, 1)], 0.02),
+            (&[(2, 1)], &[(0, 2)], 1.0),
+            (&[(0, 1), (1, 1)], &[(2, 1)], 0.01),
+            (&[(0, 1)], &[], 0.3),
+            (&[(2, 1)], &[], 0.1),
+            (&[(1, 1)], &[], 0.2),
+            (&[(2, 1), (1, 1)], &[(1, 1)], 0.01),
+        ];
+        for count in [2, 6, 9] {
+            let equations: Vec<Equation> =
+                std::iter::once(birth).chain(turns[..count].iter().copied()).collect();
+            let network = network(Kinetics::Molecules, 3, &equations);
+            let reactor = Reactor::everywhere(&network, &[true; 3]);
+            let frozen = Frozen::build(&reactor, &Links::none(1), &[1.0], &[0], &[0], &[]).unwrap();
+            let system = System::new(&reactor, &frozen);
+            let start = |k: usize| (vec![10.0 + k as f64, 5.0, 0.0], (9, k as u64));
+            let halts = [(0.5, true), (1.0, false), (2.0, true)];
+            let mut seen = vec![Vec::new(); 11];
+            let task = Task { count: 11, halts: &halts, start: &start, stopped: &|| false };
+            let played = side_by_side(&system, &task, |k, amounts| seen[k].push(amounts.to_vec()));
+            for (k, played) in played.into_iter().enumerate() {
+                let (amounts, key) = start(k);
+                let mut alone = Direct::new(&system, amounts, key).unwrap();
+                alone.advance(0.5).unwrap();
+                assert_eq!(alone.amounts(), seen[k][0]);
+                alone.advance(2.0).unwrap();
+                assert_eq!(alone.amounts(), seen[k][1]);
+                assert_eq!(alone.ledger().fired, played.unwrap().unwrap().fired);
+            }
+        }
+    }
+}

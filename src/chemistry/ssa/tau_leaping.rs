@@ -2,10 +2,12 @@
 //! approximate. Propensities are taken as constant over a leap so short that none is expected to change by more
 //! than a tolerance ε; each channel then fires a Poisson number of times.
 //!
-//! A channel that fewer than [`CRITICAL`] firings would exhaust fires at most once in a leap, and a leap that
+//! A channel that fewer than ten firings would exhaust fires at most once in a leap, and a leap that
 //! would take an amount below zero is taken again at half the length: counts are never negative and never
 //! clipped. Where a leap would hardly be longer than the waiting time of single events, these are played
 //! exactly. A leap ends at each output time.
+
+mod select;
 
 use super::channels::{Channels, choose};
 use super::system::Column;
@@ -15,8 +17,6 @@ use crate::error::RunError;
 use crate::random::{Purpose, Stream, stream};
 use rand::Rng;
 
-/// Firings left below which a channel is critical; n_c of the paper.
-const CRITICAL: f64 = 10.0;
 /// A leap shorter than this many mean waiting times is not worth it, and so many events are played one by
 /// one before the next is tried; both from the paper.
 const WORTH: f64 = 10.0;
@@ -62,110 +62,13 @@ impl<'a> TauLeaping<'a> {
             channels,
             random: stream(key.0, key.1, Purpose::Reactions),
             tolerance,
-            orders: orders(system),
+            orders: select::orders(system),
             critical: vec![false; rates],
             drift: vec![0.0; slots],
             spread: vec![0.0; slots],
             loss: vec![0.0; slots],
             single: 0,
         })
-    }
-
-    /// g_i: how much faster than the species the fastest propensity changes that it enters; paper, Sec. III.
-    fn steepness(&self, s: usize, x: f64) -> f64 {
-        match self.orders[s] {
-            (2, 2) => 2.0 + 1.0 / (x - 1.0).max(1.0),
-            (3, 2) => 1.5 * (2.0 + 1.0 / (x - 1.0).max(1.0)),
-            (3, 3) => 3.0 + 1.0 / (x - 1.0).max(1.0) + 2.0 / (x - 2.0).max(1.0),
-            (order, _) => f64::from(order),
-        }
-    }
-
-    /// Whether fewer than [`CRITICAL`] firings would exhaust what a channel takes.
-    fn is_critical(&self, voxel: usize, column: usize) -> bool {
-        let (system, amounts) = (self.channels.system, &self.channels.ledger.amounts);
-        let species = system.reactor.species_count();
-        let scarce = |s: usize, taken: f64| {
-            !self.channels.is_held(voxel, s) && amounts[voxel * species + s] < CRITICAL * taken
-        };
-        match system.columns[column] {
-            Column::Reaction(r) => {
-                let changes = system.reactor.propensities.changes(r);
-                changes.iter().any(|&(s, change)| change < 0.0 && scarce(s as usize, -change))
-            }
-            Column::Hop(s) => scarce(s, 1.0),
-            Column::Sponge(s) => system.sponge(voxel * species + s).1 > 0.0 && scarce(s, 1.0),
-        }
-    }
-
-    /// Sorts out critical channels and gathers drift and spread; returns the sum of the critical rates.
-    fn survey(&mut self) -> f64 {
-        self.drift.fill(0.0);
-        self.spread.fill(0.0);
-        self.loss.fill(0.0);
-        let system = self.channels.system;
-        let species = system.reactor.species_count();
-        let mut sum = 0.0;
-        for channel in 0..self.critical.len() {
-            let rate = self.channels.rates[channel];
-            self.critical[channel] = false;
-            if rate <= 0.0 {
-                continue;
-            }
-            let (voxel, column) = (channel / self.channels.width, channel % self.channels.width);
-            if self.is_critical(voxel, column) {
-                self.critical[channel] = true;
-                sum += rate;
-                continue;
-            }
-            let mut add = |slot: usize, change: f64, rate: f64| {
-                self.drift[slot] += change * rate;
-                self.spread[slot] += change * change * rate;
-                self.loss[slot] -= change.min(0.0) * rate;
-            };
-            match system.columns[column] {
-                Column::Reaction(r) => {
-                    for &(s, change) in system.reactor.propensities.changes(r) {
-                        add(voxel * species + s as usize, change, rate);
-                    }
-                }
-                Column::Hop(s) => {
-                    add(voxel * species + s, -1.0, rate);
-                    if let Some(table) = system.frozen.table(s) {
-                        let leaving = table.leaving[voxel] / table.rate;
-                        for (j, p) in table.row(voxel).filter(|&(j, _)| j != voxel) {
-                            add(j * species + s, 1.0, rate * (p / leaving).min(1.0));
-                        }
-                    }
-                }
-                Column::Sponge(s) => {
-                    let (birth, _) = system.sponge(voxel * species + s);
-                    add(voxel * species + s, 1.0, birth);
-                    add(voxel * species + s, -1.0, rate - birth);
-                }
-            }
-        }
-        sum
-    }
-
-    /// Longest leap of the channels that are not critical; paper, Eq. (33), and one bound more.
-    ///
-    /// In a balance of gain and loss the drift vanishes, and the paper's leaps may be as long as the time of
-    /// relaxation; the variance of n -> n + Poisson(b τ) - Poisson(n c τ) is then mean / (1 - c τ / 2). A leap that
-    /// takes at most 2 ε of an amount keeps this error at ε.
-    fn longest(&self) -> f64 {
-        let species = self.orders.len();
-        let mut longest = f64::INFINITY;
-        for (slot, &x) in self.channels.ledger.amounts.iter().enumerate() {
-            let s = slot % species;
-            if self.orders[s].0 == 0 || self.spread[slot] <= 0.0 || self.channels.is_held(slot / species, s) {
-                continue;
-            }
-            let change = (self.tolerance * x / self.steepness(s, x)).max(1.0);
-            longest = longest.min(change / self.drift[slot].abs()).min(change * change / self.spread[slot]);
-            longest = longest.min(2.0 * change / self.loss[slot]);
-        }
-        longest
     }
 
     /// One leap, not beyond `until`, or the decision to play single events.
@@ -313,27 +216,4 @@ impl EventMethod for TauLeaping<'_> {
     fn ledger(&self) -> &Ledger {
         &self.channels.ledger
     }
-}
-
-/// Highest order of the reactions that each species enters, with the most that enter one of that order; hops and
-/// sponges are of first order, rate laws count as third.
-fn orders(system: &System) -> Vec<(u32, u32)> {
-    let propensities = &system.reactor.propensities;
-    let mut orders = vec![(0, 0); system.reactor.species_count()];
-    let mut raise = |s: usize, order: (u32, u32)| orders[s] = order.max(orders[s]);
-    for column in &system.columns {
-        match *column {
-            Column::Hop(s) | Column::Sponge(s) => raise(s, (1, 1)),
-            Column::Reaction(r) => match propensities.product(r, system.frozen.scales[0]) {
-                Some((_, factors)) => {
-                    for &(s, _) in &factors {
-                        let of_kind = factors.iter().filter(|f| f.0 == s).count();
-                        raise(s as usize, (factors.len() as u32, of_kind as u32));
-                    }
-                }
-                None => propensities.inputs(r).iter().for_each(|&s| raise(s as usize, (3, 3))),
-            },
-        }
-    }
-    orders
 }

@@ -1,0 +1,130 @@
+//! The chemistry steps on particles: what bounds them, what they cost in accuracy, and how a run tells of them.
+
+use super::{Ready, event_driven};
+use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
+use crate::model::Integrator;
+use crate::plan::Plan;
+use crate::plan::start::Start;
+use crate::quantity::readable::show;
+use crate::record::{StepRecord, StepsRecord};
+use crate::scene::Scene;
+use crate::simulation::clock::Interval;
+use crate::simulation::realization::Reservoirs;
+use crate::simulation::{FORWARD_EULER, euler_caveat, events, hybrids};
+
+impl<const D: usize> Ready<'_, D> {
+    /// Steps and what limits them.
+    #[must_use]
+    pub fn steps(&self) -> StepsRecord {
+        if let Some(method) = event_driven(self.plan) {
+            return StepsRecord {
+                method: events::words(method).into(),
+                approximations: events::approximations(method, &self.plan.model.chemistry)
+                    .into_iter()
+                    .chain(self.scene.plan.weights.caveat().map(String::from))
+                    .collect(),
+                ..StepsRecord::default()
+            };
+        }
+        let longest = self.clock.iter().map(Interval::tick).fold(0.0, f64::max);
+        let ticks: u64 = self.clock.iter().map(|i| i.ticks).sum();
+        let limited_by = if longest < 0.5 * self.chemistry_step {
+            "the output times".to_string()
+        } else {
+            self.chemistry_limit.clone()
+        };
+        let finest = self
+            .clock
+            .iter()
+            .filter(|i| i.fluid_steps > 0)
+            .map(|i| i.tick() / i.fluid_steps as f64)
+            .fold(0.0, f64::max);
+        let discrete = self.plan.reactor.discrete.iter().filter(|&&d| d).count();
+        let euler = self.plan.model.chemistry.integrator == Integrator::Euler;
+        let method = match discrete {
+            0 if euler => FORWARD_EULER,
+            _ if self.plan.reactor.hybrid.is_some() => {
+                "each species discrete or continuous voxel by voxel, Strang splitting"
+            }
+            0 => "rate equations, diffusion by the exact exponential, Strang splitting",
+            n if n == self.plan.reactor.discrete.len() => {
+                "exact sampling of diffusion and reaction in turn, Strang splitting"
+            }
+            _ => "discrete and continuous species side by side, Strang splitting",
+        };
+        let in_time = if euler {
+            euler_caveat(longest)
+        } else {
+            format!(
+                "splitting of {}diffusion and reaction: second order in the chemistry step of {}",
+                if self.fluid.is_some() { "motion, " } else { "" },
+                show(longest, "s")
+            )
+        };
+        StepsRecord {
+            fluid: self.fluid.as_ref().map(|(_, limited_by)| StepRecord {
+                step: finest,
+                count: self.clock.iter().map(|i| i.ticks * i.fluid_steps).sum(),
+                limited_by: if self.clock.iter().all(|i| i.fluid_steps <= 1) {
+                    "the chemistry step".into()
+                } else {
+                    limited_by.clone()
+                },
+            }),
+            chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
+            method: method.into(),
+            approximations: hybrids::approximations(self.plan, Some(in_time), self.splitting.as_ref())
+                .into_iter()
+                .chain(self.scene.plan.weights.caveat().map(String::from))
+                .collect(),
+            splitting_error: self.splitting.map(|(error, _)| error.relative),
+            shared_flow: self.fluid.is_some(),
+        }
+    }
+}
+
+/// The error of splitting with the steps of the clock, the particles at rest.
+pub(super) fn estimate<const D: usize>(
+    plan: &Plan,
+    scene: &Scene<D>,
+    frozen: &Frozen,
+    start: &Start,
+    clock: &[Interval],
+) -> Option<(SplittingError, f64)> {
+    if plan.model.chemistry.integrator == Integrator::Euler {
+        return None; // nothing is split
+    }
+    let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
+    let ticks: u64 = clock.iter().map(|i| i.ticks).sum();
+    let count = plan.reactor.species.len();
+    let sponges = Reservoirs::new(plan, scene).sponges;
+    let feed = |state: &mut [f64], dt: f64| {
+        for sponge in &sponges {
+            let gone = -(-sponge.rate * dt).exp_m1();
+            for (&i, &target) in sponge.voxels.iter().zip(&sponge.targets) {
+                let n = &mut state[i as usize * count + sponge.species];
+                *n += (target - *n) * gone;
+            }
+        }
+    };
+    let feed: Option<&Feed> = if sponges.is_empty() { None } else { Some(&feed) };
+    let error = splitting_error(&plan.reactor, frozen, &start.means(), (longest, ticks), feed)?;
+    Some((error, error.steps as f64 * longest))
+}
+
+/// Bounds of the chemistry step, from the amounts at the start with the sponges' targets put in.
+pub(super) fn bounds<const D: usize>(
+    plan: &Plan,
+    scene: &Scene<D>,
+    frozen: &Frozen,
+    start: &Start,
+) -> StepBounds {
+    let count = plan.reactor.species.len();
+    let mut amounts = start.means();
+    for sponge in &Reservoirs::new(plan, scene).sponges {
+        for (&i, &target) in sponge.voxels.iter().zip(&sponge.targets) {
+            amounts[i as usize * count + sponge.species] = target;
+        }
+    }
+    step_bounds(&plan.reactor, frozen, &amounts, plan.model.chemistry.hops, plan.model.chemistry.change)
+}
