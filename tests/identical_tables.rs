@@ -49,6 +49,15 @@ fn model(name: &str) -> String {
         "well_mixed" => WELL_MIXED.into(),
         "graph" => GRAPH.into(),
         "space" => SPACE.into(),
+        "events" => SPACE.replace("fluid:", "chemistry: { method: composition_rejection }\nfluid:"),
+        "leaps" => GRAPH.replace("domain:", "chemistry: { method: tau_leaping }\ndomain:"),
+        "hybrid" => GRAPH
+            .replace("domain:", "chemistry: { representation: hybrid, hybrid: { above: 40, below: 20 } }\ndomain:"),
+        "surfaces" => SPACE.replace("fluid:", "conditions: { in: { flux: { in: x_min, species: { A: 1e3 /um^2/s } } }, out: { absorbing: { in: x_max, species: { A: perfect, B: 10 um/s } } } }\nfluid:"),
+        "hybrid_channel" => channel(
+            "{ representation: hybrid, hybrid: { above: 450, below: 250 } }",
+            "{ until: 0.4 ms, realizations: 8, seed: 5 }",
+        ),
         _ => channel("{ representation: discrete }", "{ until: 0.4 ms, realizations: 8, seed: 5 }"),
     }
 }
@@ -81,7 +90,20 @@ fn assert_same(a: &Path, b: &Path, what: &str) {
 }
 
 #[rstest]
-fn any_number_of_threads(#[values("well_mixed", "graph", "space", "channel")] name: &str) {
+fn any_number_of_threads(
+    #[values(
+        "well_mixed",
+        "graph",
+        "space",
+        "channel",
+        "events",
+        "leaps",
+        "hybrid",
+        "surfaces",
+        "hybrid_channel"
+    )]
+    name: &str,
+) {
     let bench = Bench::new();
     let model = bench.model("model.yaml", &model(name));
     let one = bench.run(&model, "1", &["--threads", "1"]);
@@ -92,7 +114,20 @@ fn any_number_of_threads(#[values("well_mixed", "graph", "space", "channel")] na
 }
 
 #[rstest]
-fn blocks_joined(#[values("well_mixed", "graph", "space", "channel")] name: &str) {
+fn blocks_joined(
+    #[values(
+        "well_mixed",
+        "graph",
+        "space",
+        "channel",
+        "events",
+        "leaps",
+        "hybrid",
+        "surfaces",
+        "hybrid_channel"
+    )]
+    name: &str,
+) {
     let bench = Bench::new();
     let model = bench.model("model.yaml", &model(name));
     let whole = bench.run(&model, "whole", &[]);
