@@ -112,6 +112,10 @@ fn dirichlet_line_discrete(
     #[case] reference: [f64; 17],
     #[case] runs: u32,
 ) {
+    whole_molecules(method, weights, reference, runs);
+}
+
+fn whole_molecules(method: &str, weights: &str, reference: [f64; 17], runs: u32) {
     let chemistry = format!("method: {method}");
     let seen: Vec<Vec<f64>> = dirichlet_line(17, weights, &chemistry, runs).iter().map(nodes).collect();
     for i in 1..reference.len() - 1 {
@@ -121,6 +125,15 @@ fn dirichlet_line_discrete(
         assert_variance(&x, mu, poisson_m4(mu), LIMIT, &format!("{method}, {weights}, node {i}"));
     }
     assert!(seen.iter().all(|n| n[16] == 0.0));
+}
+
+/// The same with ten thousand realizations of every method.
+#[rstest]
+#[ignore = "ten minutes"]
+fn dirichlet_line_ten_thousand(
+    #[values("split", "next_subvolume", "composition_rejection", "direct", "next_reaction")] method: &str,
+) {
+    whole_molecules(method, "normalised", NORMALISED, 10_000);
 }
 
 /// Concentration over that of the reservoir at the 17 nodes at t = 1, semi-discrete scheme

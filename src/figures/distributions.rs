@@ -11,6 +11,9 @@ const PANELS: usize = 12;
 /// Realizations below which a histogram is noise.
 const ENOUGH: usize = 20;
 
+/// A law this many times as high as the bars is left out.
+const TOWERS: f64 = 2.5;
+
 struct Sample {
     title: String,
     values: Vec<f64>,
@@ -55,7 +58,7 @@ pub fn distributions(samples: &Samples) -> Option<Figure> {
         _ => "Poisson law",
     };
     let caption = format!(
-        "Bars: {} realizations; orange, solid: {law} of the same mean; black, dashed: normal law of the same mean and variance.",
+        "Bars: {} realizations; orange, solid: {law} of the same mean (left out where it is more than 2.5 times as high as the bars); black, dashed: normal law of the same mean and variance.",
         series.blocks.len()
     );
     Some(Figure {
@@ -140,9 +143,12 @@ fn panel(d: &mut super::Drawing, sample: &Sample, frame: [f64; 4]) {
     let shift = if width == 1.0 { 0.5 } else { 0.0 };
     let (low, high) = (first.0 - air - shift, last.1 + air - shift);
     let highest = |f: &dyn Fn(f64) -> f64| Some(f(s.mean)).filter(|v| v.is_finite()).unwrap_or(0.0);
-    let peak = highest(&normal).max(highest(&law));
+    let bars = sample.bins.iter().map(|b| f64::from(b.2)).fold(highest(&normal), f64::max);
+    // A law that towers over what was found (two states, bursts) would leave nothing of it to see.
+    let comparable = highest(&law) <= TOWERS * bars;
+    let peak = if comparable { bars.max(highest(&law)) } else { bars };
     // The words above the bars take a quarter of the frame.
-    let top = sample.bins.iter().map(|b| f64::from(b.2)).fold(peak, f64::max) / 0.74;
+    let top = peak / 0.74;
     let axis = |low, high, label: &str, unit: &str| Axis {
         low,
         high,
@@ -165,7 +171,7 @@ fn panel(d: &mut super::Drawing, sample: &Sample, frame: [f64; 4]) {
     }
     let xs: Vec<f64> = (0..=160).map(|k| low + (high - low) * f64::from(k) / 160.0).collect();
     let curve = |f: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> { xs.iter().map(|&x| p.at(x, f(x))).collect() };
-    if s.mean > 0.0 {
+    if s.mean > 0.0 && comparable {
         let inside: Vec<[f64; 2]> = xs.iter().filter(|x| **x >= 0.0).map(|&x| p.at(x, law(x))).collect();
         d.line(&inside, 0.4, PALETTE[1]);
     }

@@ -134,14 +134,17 @@ pub fn sem(values: &[f64]) -> f64 {
 }
 
 /// Bins (low, high, count) of low <= value < high with edges at whole numbers, without gaps. The width follows
-/// Freedman & Diaconis, Z. Wahrscheinlichkeitstheorie 57 (1981) 453, 2 IQR n^(-1/3), but is at least one.
+/// Freedman & Diaconis, Z. Wahrscheinlichkeitstheorie 57 (1981) 453, 2 IQR n^(-1/3), but is at least one and leaves
+/// no fewer than 2 n^(1/3) bins (Rice).
 #[must_use]
 pub fn histogram(values: &[f64]) -> Vec<(f64, f64, u32)> {
     let s = Summary::of(values);
     if !(s.min.is_finite() && s.max.is_finite()) {
         return Vec::new();
     }
-    let width = (2.0 * (s.q75 - s.q25) / (values.len() as f64).cbrt()).round().max(1.0);
+    let root = (values.len() as f64).cbrt();
+    // Two peaks put the quartiles far apart: no wider than Rice's rule of 2 n^(1/3) bins over the range.
+    let width = (2.0 * (s.q75 - s.q25) / root).min((s.max - s.min) / (2.0 * root)).round().max(1.0);
     let start = (s.min / width).floor() * width;
     // A heavy tail must not ask for a million bins.
     let bins = ((s.max - start) / width).floor().min(9_999.0) as usize + 1;
