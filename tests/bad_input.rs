@@ -80,6 +80,7 @@ fn refused(model: &str, from: &str, to: &str, options: &[&str]) -> String {
 #[case::half_a_realization("realizations: 3", "realizations: 2.5", "m.yaml:9:34", &["expected a whole number"])]
 #[case::no_threads("seed: 1", "seed: 1, threads: 0", "m.yaml:9:55", &["1 to 4096 threads"])]
 #[case::negative_molecules("A: 100", "A: -5", "m.yaml:8:15", &["whole number of molecules", "found -5"])]
+#[case::amount_without_unit("A: 100", "A: \"10.5\"", "m.yaml:8:16", &["has no unit", "20 nM"])]
 #[case::half_a_molecule("A: 100", "A: 2.5", "m.yaml:8:15", &["whole number of molecules", "found 2.5"])]
 #[case::concentration_in_metres("A: 100", "A: 5 um", "m.yaml:8:15", &["expected a concentration", "found a length"])]
 #[case::negative_concentration("A: 100", "A: -5 nM", "m.yaml:8:15", &["concentration may not be negative"])]
@@ -141,6 +142,8 @@ output: { every: 0.1 s }
 #[case::no_path("A: { diffusion: 1 um^2/s", "A: { diffusion: 1 um^2/s, only_in: [a, c]", "m.yaml:3:14", &["no link joins two voxels of a, c", "those in between"])]
 #[case::nowhere_to_hop("A: { diffusion: 1 um^2/s", "A: { diffusion: 1 um^2/s, only_in: a", "m.yaml:3:14", &["nowhere to hop", "diffusion to 0"])]
 #[case::negative_link("[0, 1, 1 um]", "[0, 1, -1 um]", "m.yaml:5:86", &["negative"])]
+#[case::unknown_volume("[0, 1, 1 um]", "[a, d, 1 um]", "m.yaml:5:83", &["unknown volume `d`", "a, b, c"])]
+#[case::linked_twice("[1, 2, 1 um]", "[1, 0, 1 um]", "m.yaml:5:93", &["linked twice"])]
 #[case::hybrid_thresholds("initial:", "chemistry: { hybrid: { above: 100, below: 200 } }\ninitial:", "m.yaml:6:22", &["`below` lies between"])]
 #[case::event_driven_hybrid("initial:", "chemistry: { method: next_subvolume, representation: hybrid }\ninitial:", "m.yaml:6:12", &["needs discrete species"])]
 fn of_a_graph(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {

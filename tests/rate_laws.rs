@@ -120,3 +120,32 @@ fn michaelis_menten_sampled(
         assert_distribution(&x, &masses, &what);
     }
 }
+
+/// A law that falls below zero stops every method with what it saw; the rate equations do not run it backwards.
+#[rstest]
+#[case("{ representation: continuous }")]
+#[case("{ representation: continuous, integrator: euler, step: 10 ms }")]
+#[case("{ method: direct }")]
+#[case("{ method: composition_rejection }")]
+#[case("{ method: split }")]
+fn a_law_below_zero_is_an_error(#[case] chemistry: &str) {
+    let bench = Bench::new();
+    let text = format!(
+        "name: below\nreactions:\n  kinetics: molecules\n  species: [A, B]\n  parameters: {{ k: 1 1/s }}\n  \
+         reactions:\n    turn: {{ equation: A -> B, law: k * (A - 50) }}\n    gone: {{ equation: A -> 0, rate: 0.5 1/s }}\n\
+         domain: {{ kind: well_mixed, volume: 1 fL }}\ninitial: {{ A: 200 }}\nchemistry: {chemistry}\n\
+         run: {{ until: 60 s, seed: 1 }}\n"
+    );
+    let model = bench.model("below.yaml", &text);
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_gillesph"))
+        .args(["run", model.to_str().unwrap(), "--quiet", "--out", bench.path("out").to_str().unwrap()])
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    for word in ["turn", "k * (A - 50)", "A = 49", "voxel 0"] {
+        // A real amount is below 50 by any part of a molecule.
+        let word = if word == "A = 49" && chemistry.contains("continuous") { "A = 4" } else { word };
+        assert!(message.contains(word), "`{word}` is missing: {message}");
+    }
+}

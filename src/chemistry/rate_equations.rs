@@ -10,8 +10,10 @@ use crate::error::RunError;
 
 /// Relative error allowed in a step.
 const RELATIVE: f64 = 1e-9;
-/// Error allowed in any case, molecules.
+/// Error allowed in any case, molecules, and of the hazard at which an event falls.
 const ABSOLUTE: f64 = 1e-9;
+/// How much more is allowed between events, whose chance outweighs it by far.
+const BETWEEN_EVENTS: f64 = 1e3;
 /// Steps within one call after which the equations are taken to be stiff.
 const MOST_STEPS: usize = 1_000_000;
 
@@ -206,11 +208,12 @@ impl RateEquations {
         }
         let mut error: f64 = 0.0;
         let mut negative = false;
+        let slack = if voxel.sampled.is_empty() { 1.0 } else { BETWEEN_EVENTS };
         // Extents follow from the rates that the amounts decide.
         for s in (0..=species).filter(|&s| !voxel.is_held(s)) {
             let e: f64 = h * E.iter().zip(&self.slopes).map(|(e, k)| e * k[s]).sum::<f64>();
             let size = self.state[s].abs().max(self.trial[s].abs());
-            error = error.max((e / (ABSOLUTE + RELATIVE * size)).abs());
+            error = error.max((e / (slack * (ABSOLUTE + RELATIVE * size))).abs());
             negative |= !(self.trial[s] >= 0.0 && e.is_finite());
         }
         Try::Done { error, negative }
@@ -276,7 +279,9 @@ impl RateEquations {
         for (k, &r) in voxel.integrated.iter().enumerate() {
             let r = r as usize;
             let flux = voxel.propensities.flux_at(r, amounts, voxel.scale) * voxel.weight(r);
-            if !flux.is_finite() {
+            // A trial state may lie below zero, and its rates too; then the step is shortened for the amounts.
+            let backward = flux < 0.0 && amounts.iter().all(|&n| n >= 0.0);
+            if !flux.is_finite() || backward {
                 return Err(reactor.bad_propensity(r, flux, time, voxel.index, amounts));
             }
             for &(s, change) in voxel.propensities.changes(r) {

@@ -32,15 +32,15 @@ pub fn propensity_words(network: &Network, reaction: &Reaction) -> String {
     text
 }
 
-/// A is the voxel's share of the surface, s its distance from it.
+/// `area` is the voxel's share of the surface, `distance` that of the voxel from it, D the diffusivity.
 fn through_surface(network: &Network, reaction: &Reaction, kind: SurfaceKind) -> String {
     let species = reaction.reactants.first().map_or("", |&(s, _)| network.species[s].name.as_str());
     match kind {
-        SurfaceKind::Flux(flux) => format!("a = {} 1/m^2/s * A", number(flux)),
+        SurfaceKind::Flux(flux) => format!("a = {} 1/m^2/s * area", number(flux)),
         SurfaceKind::Absorption(kappa) if kappa.is_finite() => {
-            format!("a = A / V / (1 / ({} m/s) + s / D) * X_{species}", number(kappa))
+            format!("a = area / V / (1 / ({} m/s) + distance / D) * X_{species}", number(kappa))
         }
-        SurfaceKind::Absorption(_) => format!("a = A / V * D / s * X_{species}"),
+        SurfaceKind::Absorption(_) => format!("a = area / V * D / distance * X_{species}"),
     }
 }
 

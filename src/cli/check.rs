@@ -7,7 +7,7 @@ use crate::model::Domain;
 use crate::model::load::{self, Document};
 use crate::plan::Plan;
 use crate::plan::limits::estimate;
-use crate::quantity::readable::show;
+use crate::quantity::readable::{show, significant};
 use crate::simulation::{NotReady, Ready};
 use std::fmt::Write;
 use std::path::Path;
@@ -109,7 +109,7 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
         line("  no molecules".into());
     }
     for (group, species, amount) in amounts {
-        line(format!("  {group:<12} {species:<12} {amount} molecules"));
+        line(format!("  {group:<12} {species:<12} {} molecules", significant(amount, 7)));
     }
     line(format!("\nmethod: {}", record.steps.method));
     for (what, step) in [("fluid", &record.steps.fluid), ("chemistry", &record.steps.chemistry)] {
@@ -121,6 +121,9 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
                 step.limited_by
             ));
         }
+    }
+    if let Some(warning) = ready.coarse() {
+        line(format!("  warning: {warning}"));
     }
     for approximation in &record.steps.approximations {
         line(format!("  {approximation}"));

@@ -58,7 +58,7 @@ fn occupancy(samples: &Samples, name: &str) -> Option<Figure> {
     legend(&mut d, MARGIN[0], bottom, &shown);
     Some(Figure {
         name: format!("probe_{}_occupancy", slug(name)),
-        title: format!("Occupancy of the receptors round {name}"),
+        title: format!("Occupancy (bound fraction) round {name}"),
         caption: caption(&sections),
         drawing: d,
         raster: false,

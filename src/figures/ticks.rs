@@ -18,7 +18,9 @@ pub fn ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
         m if m < 7.1 => 5.0,
         _ => 10.0,
     } * power;
-    ticks_every(low, high, step)
+    let found = ticks_every(low, high, step);
+    // One tick is no scale.
+    if found.len() < 2 && count < 8 { ticks(low, high, 2 * count.max(1)) } else { found }
 }
 
 /// Ticks at the multiples of a step.
@@ -49,5 +51,6 @@ mod tests {
         let labels: Vec<String> = ticks(-0.1, 0.25, 4).into_iter().map(|t| t.1).collect();
         assert_eq!(labels, ["−0.1", "0.0", "0.1", "0.2"]);
         assert_eq!(ticks(1.0, 1.0, 5).len(), 1);
+        assert!(ticks(0.0, 0.9, 1).len() > 1 && ticks(0.0, 7.0, 1).len() > 1);
     }
 }

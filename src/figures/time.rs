@@ -63,7 +63,7 @@ pub(super) fn headline(samples: &Samples) -> Option<(Curves, Option<&str>)> {
 /// Share of bound receptors wherever an immobile pair X, Y with conserved X + Y and X + … -> Y lives.
 pub fn occupancy(samples: &Samples) -> Option<Figure> {
     let curves = occupancies(samples);
-    figure(samples, "occupancy", "Occupancy of the receptors", &words(samples), &curves)
+    figure(samples, "occupancy", "Occupancy (bound fraction)", &words(samples), &curves)
 }
 
 fn occupancies(samples: &Samples) -> Vec<Curves> {

@@ -46,7 +46,7 @@ pub(super) fn read(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
             );
         }
     }
-    let mut links = Vec::new();
+    let mut links: Vec<(usize, usize, f64)> = Vec::new();
     if let Some(node) = links_node {
         for item in node.list(faults)? {
             let Some([a, b, g]) = item.list(faults) else {
@@ -58,6 +58,11 @@ pub(super) fn read(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
                     && let Some(i) = names.iter().position(|known| known == name)
                 {
                     return Some(i);
+                }
+                if let super::node::Value::Text(name) = &n.value {
+                    let reason = format!("unknown volume `{name}`");
+                    faults.at(&n.place, reason, format!("the volumes are: {}", names.join(", ")));
+                    return None;
                 }
                 let i = n.integer(faults)?;
                 if i < 0 || i as usize >= volumes.len() {
@@ -75,6 +80,9 @@ pub(super) fn read(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
             if let ((Some(i), Some(j)), Some(g)) = (ends, g) {
                 if i == j {
                     faults.at(&item.place, "a link joins two different volumes", "remove it");
+                } else if links.iter().any(|&(a, b, _)| (a, b) == (i, j) || (a, b) == (j, i)) {
+                    let reason = format!("`{}` and `{}` are linked twice", names[i], names[j]);
+                    faults.at(&item.place, reason, "a link goes both ways; give the sum of the two once");
                 } else {
                     links.push((i, j, g));
                 }

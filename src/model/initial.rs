@@ -204,6 +204,14 @@ fn concentration(
             }
             return Some(Amount::Molecules(count.round()));
         }
+        if quantity.dimension.is_none() {
+            faults.at(
+                &node.place,
+                format!("the text \"{text}\" has no unit"),
+                "a concentration has one, e.g. 20 nM; a whole number of molecules is written without quotes",
+            );
+            return None;
+        }
         return node.non_negative(Dimension::CONCENTRATION, faults).map(Amount::Concentration);
     }
     let axes = ["x", "y", "z"].map(|name| (name, Dimension::LENGTH));

@@ -72,8 +72,14 @@ fn check_step(model: &Model, method: Method, faults: &mut Vec<Fault>) {
     if method.event_driven() && model.chemistry.step.is_some() {
         faults.push(Fault::at(
             &model.places.chemistry,
-            "an event-driven method goes from event to event and knows no `step`",
-            "remove `step`, or set method: split",
+            match method {
+                Method::TauLeaping => "tau-leaping chooses its leaps itself and knows no `step`",
+                _ => "an event-driven method goes from event to event and knows no `step`",
+            },
+            match method {
+                Method::TauLeaping => "remove `step`; `tolerance` makes leaps shorter or longer",
+                _ => "remove `step`, or set method: split",
+            },
         ));
     }
 }
@@ -86,7 +92,10 @@ fn check_discrete(model: &Model, method: Method, all_discrete: bool, faults: &mu
     if method.event_driven() && !all_discrete {
         faults.push(Fault::at(
             &model.places.chemistry,
-            "an event-driven method needs discrete species, and some are continuous or hybrid",
+            match method {
+                Method::TauLeaping => "tau-leaping needs discrete species, and some are continuous or hybrid",
+                _ => "an event-driven method needs discrete species, and some are continuous or hybrid",
+            },
             "set method: split, or make all species discrete",
         ));
     }

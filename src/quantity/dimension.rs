@@ -114,6 +114,8 @@ const NAMES: &[(Dimension, &str)] = &[
     (Dimension::CONCENTRATION, "concentration"),
     (Dimension::CONCENTRATION_RATE, "concentration per time"),
     (Dimension::RATE, "rate"),
+    (Dimension([-2, 0, -1, 0, 0]), "flux of molecules"),
+    (Dimension([-2, 0, -1, 0, 1]), "molar flux"),
     (Dimension::DENSITY, "density"),
     (Dimension::DYNAMIC_VISCOSITY, "dynamic viscosity"),
     (Dimension::PRESSURE, "pressure"),

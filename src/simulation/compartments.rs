@@ -79,10 +79,14 @@ impl<'p> Ready<'p> {
     /// Method and steps.
     #[must_use]
     pub fn steps(&self) -> StepsRecord {
-        let chemistry = self.split.as_ref().map(|(clock, limited_by)| StepRecord {
-            step: clock.iter().map(Interval::tick).fold(0.0, f64::max),
-            count: clock.iter().map(|i| i.ticks).sum(),
-            limited_by: limited_by.clone(),
+        let chemistry = self.split.as_ref().map(|(clock, limited_by)| {
+            let step = clock.iter().map(Interval::tick).fold(0.0, f64::max);
+            let wanted = self.plan.model.chemistry.step.unwrap_or(step);
+            StepRecord {
+                step,
+                count: clock.iter().map(|i| i.ticks).sum(),
+                limited_by: if step < 0.5 * wanted { "the output times".into() } else { limited_by.clone() },
+            }
         });
         let euler = self.plan.model.chemistry.integrator == Integrator::Euler;
         let in_time = chemistry.as_ref().filter(|_| euler || self.arena.volumes.len() > 1).map(|step| {

@@ -3,7 +3,7 @@
 use crate::chemistry::split::{Modes, SplittingError};
 use crate::plan::Plan;
 use crate::quantity::readable::{show, significant};
-use crate::record::HybridRecord;
+use crate::record::{HybridRecord, StepsRecord};
 
 /// Where hybrid species were carried how, from the modes of all realizations and the group of each voxel.
 pub(super) fn history<'a>(
@@ -51,7 +51,7 @@ pub(super) fn approximations(
     let mut words: Vec<String> = splitting.into_iter().collect();
     if let (Some(words), Some((error, duration))) = (words.first_mut(), found) {
         words.push_str(&format!(
-            "; estimated relative error {} of {} after {} (rate equations with half the step)",
+            "; estimated relative error {} of {} after {} (rate equations with shorter steps)",
             significant(error.relative, 2),
             plan.reactor.species[error.species],
             show(*duration, "s")
@@ -77,4 +77,16 @@ pub(super) fn withheld(expected: f64) -> Option<String> {
             significant(expected, 3)
         )
     })
+}
+
+/// A splitting error from which on a run warns.
+const COARSE: f64 = 0.05;
+
+/// A warning if the chemistry step is too long for the numbers to be trusted.
+pub(super) fn coarse(steps: &StepsRecord) -> Option<String> {
+    let error = steps.splitting_error.filter(|error| *error >= COARSE)?;
+    Some(format!(
+        "the chemistry step is too long: the splitting error is estimated at {} %; make chemistry.step shorter or leave it out",
+        significant(100.0 * error, 2)
+    ))
 }

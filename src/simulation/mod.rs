@@ -65,7 +65,7 @@ impl Tally {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let flow = self.flow.iter().flat_map(|flow| flow.warnings.iter().cloned());
-        flow.chain(hybrids::withheld(self.withheld)).collect()
+        flow.chain(hybrids::withheld(self.withheld)).chain(hybrids::coarse(&self.steps)).collect()
     }
 }
 
@@ -112,6 +112,12 @@ impl<'p> Ready<'p> {
             Ready::Plane(ready) => ready.steps(),
             Ready::Space(ready) => ready.steps(),
         }
+    }
+
+    /// A warning if the chemistry step is too long.
+    #[must_use]
+    pub fn coarse(&self) -> Option<String> {
+        hybrids::coarse(&self.steps())
     }
 
     /// Amounts at the start that are not zero: group, species, molecules (means where they are dealt).

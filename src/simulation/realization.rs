@@ -69,9 +69,11 @@ impl Realization {
             amounts[index as usize] += poisson(&mut random, mean) as f64;
         }
         let state = SplitState::new(&plan.reactor, amounts, seed, u64::from(number));
-        let total = (0..plan.reactor.species.len()).map(|s| state.total(s)).collect();
-        let mut one = Realization { state, total, observed: Observed::new(number) };
+        let mut one = Realization { state, total: Vec::new(), observed: Observed::new(number) };
         one.deal_held(plan, start);
+        // What is dealt at the start is there from the start.
+        one.state.supplied.fill(0.0);
+        one.total = (0..plan.reactor.species.len()).map(|s| one.state.total(s)).collect();
         one
     }
 

@@ -10,7 +10,7 @@ impl SplitState {
     /// stay as they are, and `supplied` books what the step would have changed of them. First order in `dt`.
     ///
     /// # Errors
-    /// A rate that is not finite, and an amount that falls below zero: the step is too long.
+    /// A rate that is negative or not finite, and an amount that falls below zero: the step is too long.
     pub fn euler(&mut self, reactor: &Reactor, frozen: &Frozen, time: f64, dt: f64) -> Result<(), RunError> {
         let species = reactor.species_count();
         let mut change = std::mem::take(&mut self.propensities);
@@ -38,7 +38,7 @@ impl SplitState {
             let row = &self.amounts[i * species..(i + 1) * species];
             for r in lists.integrated.iter().map(|&r| r as usize) {
                 let flux = reactor.propensities.flux_at(r, row, frozen.scales[i]) * frozen.weight(r, i);
-                if !flux.is_finite() {
+                if !(0.0..f64::INFINITY).contains(&flux) {
                     return Err(reactor.bad_propensity(r, flux, time, i, row));
                 }
                 for &(s, by) in reactor.propensities.changes(r) {
