@@ -170,6 +170,17 @@ pub enum RunError {
     /// A file of the run could not be written or read.
     #[error("{path}: {reason}")]
     File { path: String, reason: String },
+    /// Any of these, in one realization of several.
+    #[error("realization {realization}: {error}")]
+    Of { realization: u32, error: Box<RunError> },
+}
+
+impl RunError {
+    /// Says in which realization it was.
+    #[must_use]
+    pub fn of(self, realization: u32) -> RunError {
+        RunError::Of { realization, error: Box::new(self) }
+    }
 }
 
 #[cfg(test)]

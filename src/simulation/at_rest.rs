@@ -29,10 +29,12 @@ impl<const D: usize> Ready<'_, D> {
         let found: Vec<Result<Option<(Share, Observed)>, RunError>> = realizations
             .par_iter()
             .map(|&number| {
-                let found =
-                    if watch.stopped() { None } else { self.one(&system, &lens, method, number, watch)? };
+                let found = match watch.stopped() {
+                    true => Ok(None),
+                    false => self.one(&system, &lens, method, number, watch),
+                };
                 watch.advance(1);
-                Ok(found)
+                found.map_err(|error| error.of(number))
             })
             .collect();
         tally.chemistry_seconds = begun.elapsed().as_secs_f64();

@@ -147,9 +147,9 @@ impl<'p> Ready<'p> {
     fn several(&self, system: &System, numbers: &[u32], watch: &Watch) -> Vec<Found> {
         if self.arena.method != Method::Direct || !fits(system) {
             let one = |&number: &u32| {
-                let found = if watch.stopped() { None } else { self.one(system, number, watch)? };
+                let found = if watch.stopped() { Ok(None) } else { self.one(system, number, watch) };
                 watch.advance(1);
-                Ok(found)
+                found.map_err(|error| error.of(number))
             };
             return numbers.iter().map(one).collect();
         }
@@ -167,7 +167,8 @@ impl<'p> Ready<'p> {
         found
             .map(|((played, seen), &number)| {
                 let begun = || events::free_totals(system, &self.deal(number));
-                Ok(played?.map(|ledger| (events::share(system, &begun(), &ledger), seen)))
+                let played = played.map_err(|error| error.of(number))?;
+                Ok(played.map(|ledger| (events::share(system, &begun(), &ledger), seen)))
             })
             .collect()
     }

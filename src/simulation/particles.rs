@@ -205,7 +205,8 @@ impl<'p, const D: usize> Ready<'p, D> {
                         if watch.stopped() {
                             return Ok(false);
                         }
-                        one.step_at_rest(&around, interval.time(k), interval.tick())?;
+                        one.step_at_rest(&around, interval.time(k), interval.tick())
+                            .map_err(|error| error.of(one.observed.series.realization))?;
                     }
                     lens.look(&one.state.amounts, interval.end, false, &mut one.observed);
                 }
@@ -274,6 +275,7 @@ fn advance(
     error: &mut Option<RunError>,
     part: impl Fn(&mut Realization) -> Result<(), RunError> + Sync + Send,
 ) {
+    let part = |one: &mut Realization| part(one).map_err(|error| error.of(one.observed.series.realization));
     let results: Vec<Result<(), RunError>> = members.par_iter_mut().map(part).collect();
     let mut results = results.into_iter();
     members.retain(|_| match results.next() {
