@@ -105,7 +105,10 @@ pub fn conclude(
     let whole = results.times.len() == record.times.len();
     record.finished = if whole { results.blocks.len() as u32 } else { 0 };
     record.steps = tally.steps.clone();
-    record.hybrid = tally.hybrid.clone();
+    let earlier = std::mem::replace(&mut record.hybrid, tally.hybrid.clone());
+    for (own, other) in record.hybrid.iter_mut().zip(&earlier) {
+        own.absorb(other);
+    }
     // Realizations of an interrupted run that were taken up count as well.
     let earlier = std::mem::take(&mut record.health);
     let mut supplied: BTreeMap<String, f64> = plan
@@ -130,7 +133,7 @@ pub fn conclude(
         bounces: flow.map(|f| f.bounces),
         largest_mach: flow.map(|f| f.largest_mach),
         largest_density_change: flow.map(|f| f.largest_density_change),
-        warnings: tally.warnings(),
+        warnings: joined(earlier.warnings, tally.warnings()),
     };
     let performance = &mut record.performance;
     performance.particle_steps += tally.particle_steps;
@@ -139,6 +142,16 @@ pub fn conclude(
     performance.reaction_events += tally.reaction_events;
     performance.hops += tally.hops;
     performance.chemistry_seconds += tally.chemistry_seconds;
+}
+
+/// Warnings of both, each once.
+fn joined(mut earlier: Vec<String>, now: Vec<String>) -> Vec<String> {
+    for warning in now {
+        if !earlier.contains(&warning) {
+            earlier.push(warning);
+        }
+    }
+    earlier
 }
 
 /// Takes an outcome into results that may hold earlier realizations; cuts the output times to those seen.

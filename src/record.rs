@@ -173,6 +173,20 @@ pub struct HybridRecord {
     /// Changes from whole molecules to real amounts and back, voxels and realizations together.
     pub to_continuous: u64,
     pub to_discrete: u64,
+    /// Realizations of which this tells.
+    #[serde(default)]
+    pub realizations: u32,
+}
+
+impl HybridRecord {
+    /// Takes in what other realizations of the same species and group have to tell.
+    pub fn absorb(&mut self, other: &HybridRecord) {
+        let (own, more) = (f64::from(self.realizations), f64::from(other.realizations));
+        self.continuous = (self.continuous * own + other.continuous * more) / (own + more).max(1.0);
+        self.to_continuous += other.to_continuous;
+        self.to_discrete += other.to_discrete;
+        self.realizations += other.realizations;
+    }
 }
 
 /// Checks of a run; all sums over its realizations.
@@ -225,11 +239,8 @@ pub struct Performance {
 impl RunRecord {
     /// Takes in the record of the block of realizations that follows this one.
     pub fn absorb(&mut self, next: &RunRecord) {
-        let (before, added) = (f64::from(self.finished), f64::from(next.finished));
         for (own, other) in self.hybrid.iter_mut().zip(&next.hybrid) {
-            own.continuous = (own.continuous * before + other.continuous * added) / (before + added).max(1.0);
-            own.to_continuous += other.to_continuous;
-            own.to_discrete += other.to_discrete;
+            own.absorb(other);
         }
         self.realizations[1] = next.realizations[1];
         self.finished += next.finished;

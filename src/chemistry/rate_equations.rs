@@ -344,6 +344,7 @@ mod tests {
         let equations: [Equation; 2] = [(&[(0, 1)], &[], 2.0), (&[(0, 1), (1, 1)], &[(0, 1)], 0.3)];
         let reactor = Reactor::everywhere(&network(Kinetics::Molecules, 2, &equations), &[false, true]);
         let voxel = Voxel { integrated: &[0], sampled: &[1], ..voxel(&reactor) };
+        // Errors allowed between events: 1e-6 of the amount and of the hazard in each of some steps.
         let expected = 0.5 * (30.0_f64 / 18.0).ln();
         let run = |clock: &mut f64, dt: f64| {
             let (mut amounts, mut extents) = (vec![50.0, 4.0], [0.0]);
@@ -358,13 +359,13 @@ mod tests {
         for dt in [0.3, 1.0, 50.0] {
             let (time, left) = run(&mut 12.0, dt);
             let time = time.unwrap();
-            assert!((time - expected).abs() < 1e-8, "{dt}: {time}");
-            assert!((left - 30.0).abs() < 1e-7);
+            assert!((time - expected).abs() < 1e-6, "{dt}: {time}");
+            assert!((left - 30.0).abs() < 1e-4);
         }
         // A step that ends before leaves the rest on the clock.
         let mut clock = 12.0;
         assert_eq!(run(&mut clock, 0.1).0, None);
-        assert!((clock - (12.0 - 30.0 * (1.0 - (-0.2_f64).exp()))).abs() < 1e-8);
+        assert!((clock - (12.0 - 30.0 * (1.0 - (-0.2_f64).exp()))).abs() < 1e-5);
     }
 
     #[test]

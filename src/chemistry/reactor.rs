@@ -21,6 +21,9 @@ impl GroupSet {
     }
 }
 
+/// More molecules than this in a voxel are no longer exact as `f64`.
+pub const MOST_MOLECULES: f64 = 9.0e15;
+
 /// The chemistry of a run, compiled once and shared by all realizations.
 ///
 /// Amounts are `f64`, voxel by voxel: species s of voxel i stands at `amounts[i * species + s]`;
@@ -184,6 +187,17 @@ impl Reactor {
             self.species.iter().zip(amounts).map(|(s, n)| format!("{s} = {n}")).collect();
         let (reaction, expression) = (self.reactions[r].clone(), self.expressions[r].clone());
         RunError::Propensity { time, voxel, reaction, value, amounts: amounts.join(", "), expression }
+    }
+
+    /// Species `s` has come to more molecules than can be counted one by one.
+    #[cold]
+    #[must_use]
+    pub fn too_many(&self, s: usize, value: f64, time: f64, voxel: usize) -> RunError {
+        let quantity = format!("molecules of {}", self.species[s]);
+        let remedy = String::from(
+            "more than 9e15 cannot be counted one by one; make the species continuous or the volume smaller",
+        );
+        RunError::BlowUp { step: 0, time, particle: voxel, quantity, value, remedy }
     }
 
     /// Species `s` fell to `count` after reaction `r`.

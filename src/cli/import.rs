@@ -52,12 +52,12 @@ pub(crate) fn import(format: &Format) -> Result<(), Stop> {
     write(&asked.out, &reactions, &imported.reactions)?;
     write(&asked.out, &model, &imported.model)?;
     for note in &imported.notes {
-        eprintln!("note: {note}");
+        tell!("note: {note}");
     }
     for line in &imported.summary {
-        eprintln!("{line}");
+        tell!("{line}");
     }
-    eprintln!("wrote {} and {}", model.display(), reactions.display());
+    tell!("wrote {} and {}", model.display(), reactions.display());
     Ok(())
 }
 

@@ -2,6 +2,14 @@
 //!
 //! Standard output carries only what was asked for; faults, progress and notes go to standard error.
 
+/// A line on standard error; what cannot be told there (a closed pipe) is left untold.
+macro_rules! tell {
+    ($($words:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), $($words)*);
+    }};
+}
+
 mod check;
 mod import;
 mod run;
@@ -117,7 +125,7 @@ impl From<RunError> for Stop {
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     std::panic::set_hook(Box::new(|info| {
-        eprintln!("gillesph met a state it should never be in; please report this with your model: {info}");
+        tell!("gillesph met a state it should never be in; please report this with your model: {info}");
     }));
     let result = std::panic::catch_unwind(|| perform(arguments.verb)).unwrap_or(Err(Stop::Status(1)));
     match result {
@@ -125,11 +133,11 @@ pub fn main() -> ExitCode {
         Err(Stop::Model(error)) => {
             let count = error.faults.len();
             eprint!("{error}");
-            eprintln!("{count} fault{}; nothing was written", if count == 1 { "" } else { "s" });
+            tell!("{count} fault{}; nothing was written", if count == 1 { "" } else { "s" });
             ExitCode::from(2)
         }
         Err(Stop::Run(error)) => {
-            eprintln!("failed: {error}");
+            tell!("failed: {error}");
             ExitCode::from(1)
         }
         Err(Stop::Interrupted) => ExitCode::from(130),

@@ -101,10 +101,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
         performance.peak_rss_bytes = performance.peak_rss_bytes.max(usage().1);
         tables::write_record(&dir, &results.record)?;
         if drawn.is_err() {
-            eprintln!(
-                "the tables are written; draw figures and report with `gillesph report {}`",
-                dir.display()
-            );
+            tell!("the tables are written; draw figures and report with `gillesph report {}`", dir.display());
         }
         // A failed run says first why it failed.
         if results.record.status == "finished" {
@@ -238,6 +235,7 @@ fn take_up(results: &mut Results, earlier: Results, dir: &Path) -> Result<(), St
         results.blocks = earlier.blocks;
         results.probes = earlier.probes;
         results.record.health = earlier.record.health;
+        results.record.hybrid = earlier.record.hybrid;
         results.record.performance = earlier.record.performance;
     } else {
         clear(dir)?;
@@ -266,7 +264,7 @@ fn clear(dir: &Path) -> Result<(), RunError> {
 
 fn announce(plan: &Plan, results: &Results, wanted: &[u32], dir: &Path, threads: usize) {
     let block = results.record.realizations;
-    eprintln!(
+    tell!(
         "{}: realizations {}..{} ({} to run) on {threads} thread{}, until {} s, into {}",
         plan.model.name,
         block[0],
@@ -279,7 +277,7 @@ fn announce(plan: &Plan, results: &Results, wanted: &[u32], dir: &Path, threads:
     let steps = &results.record.steps;
     for (what, step) in [("fluid", &steps.fluid), ("chemistry", &steps.chemistry)] {
         if let Some(step) = step {
-            eprintln!("  {what} step {:.3e} s, limited by {}", step.step, step.limited_by);
+            tell!("  {what} step {:.3e} s, limited by {}", step.step, step.limited_by);
         }
     }
 }
@@ -309,20 +307,20 @@ fn finish(results: &Results, error: Option<RunError>, dir: &Path, options: &Opti
         kept(results, dir)
     };
     if let Some(error) = error {
-        eprintln!("{kept}");
+        tell!("{kept}");
         return Err(Stop::Run(error));
     }
     if record.status == "interrupted" {
         let how = if record.finished == 0 { "--resume starts again" } else { "continue with --resume" };
-        eprintln!("interrupted: {kept}; {how}");
+        tell!("interrupted: {kept}; {how}");
         return Err(Stop::Interrupted);
     }
     if !options.quiet {
         for warning in &record.health.warnings {
-            eprintln!("  warning: {warning}");
+            tell!("  warning: {warning}");
         }
         let p = &record.performance;
-        eprintln!(
+        tell!(
             "done in {:.1} s: fluid {:.1} s, chemistry {:.1} s; {} reactions, {} hops; report: {}",
             p.wall_seconds,
             p.fluid_seconds,

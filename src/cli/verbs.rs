@@ -17,7 +17,7 @@ pub(crate) fn report(dir: &Path) -> Result<(), Stop> {
         .into());
     }
     report::write(dir)?;
-    eprintln!("report: {}", dir.join("report.html").display());
+    tell!("report: {}", dir.join("report.html").display());
     Ok(())
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn merge(out: &Path, blocks: &[PathBuf], force: bool) -> Result<(), S
     }
     whole.write(out)?;
     report::write(out)?;
-    eprintln!(
+    tell!(
         "joined {} blocks, realizations {}..{}: {}",
         blocks.len(),
         whole.record.realizations[0],

@@ -62,6 +62,17 @@ impl ParticleDomain {
 }
 
 impl Domain {
+    /// Name of group `g`; `all` where there is no such group.
+    #[must_use]
+    pub fn group_name(&self, g: usize) -> &str {
+        match self {
+            Domain::WellMixed { .. } => None,
+            Domain::Graph { names, .. } => names.get(g).map(String::as_str),
+            Domain::Particles(box_) => box_.groups.get(g).map(|group| group.name.as_str()),
+        }
+        .unwrap_or("all")
+    }
+
     /// Names of the groups tables and `only_in` speak of, without the sum `all`.
     #[must_use]
     pub fn group_names(&self) -> Vec<String> {

@@ -47,6 +47,7 @@ pub(super) fn read(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
         }
     }
     let mut links: Vec<(usize, usize, f64)> = Vec::new();
+    let mut linked = std::collections::BTreeSet::new();
     if let Some(node) = links_node {
         for item in node.list(faults)? {
             let Some([a, b, g]) = item.list(faults) else {
@@ -80,7 +81,7 @@ pub(super) fn read(mut fields: Fields, faults: &mut Faults) -> Option<Domain> {
             if let ((Some(i), Some(j)), Some(g)) = (ends, g) {
                 if i == j {
                     faults.at(&item.place, "a link joins two different volumes", "remove it");
-                } else if links.iter().any(|&(a, b, _)| (a, b) == (i, j) || (a, b) == (j, i)) {
+                } else if !linked.insert((i.min(j), i.max(j))) {
                     let reason = format!("`{}` and `{}` are linked twice", names[i], names[j]);
                     faults.at(&item.place, reason, "a link goes both ways; give the sum of the two once");
                 } else {

@@ -128,7 +128,7 @@ impl Plan {
     pub fn group_name(&self, column: &Column) -> String {
         match column.group {
             None => "all".into(),
-            Some(g) => self.model.domain.group_names()[g].clone(),
+            Some(g) => self.model.domain.group_name(g).to_string(),
         }
     }
 }

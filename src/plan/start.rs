@@ -3,6 +3,7 @@
 use super::{Arena, Plan};
 use crate::chemistry::AVOGADRO;
 use crate::chemistry::deal::apportion;
+use crate::chemistry::reactor::MOST_MOLECULES;
 use crate::error::{Fault, ModelError, Place};
 use crate::model::conditions::What;
 use crate::model::{Amount, Deal, Domain, Initial, Material};
@@ -95,9 +96,6 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
     start.poisson.retain(|(slot, _)| !held[*slot as usize]);
     start
 }
-
-/// More molecules than this in a voxel are no longer exact as `f64`.
-const MOST_MOLECULES: f64 = 9.0e15;
 
 /// Refuses fields that are negative or undefined somewhere, and more whole molecules than can be counted.
 ///

@@ -138,7 +138,8 @@ impl<'p> Ready<'p> {
         };
         let groups: Vec<usize> = (0..self.arena.volumes.len()).collect();
         let shares = || found.iter().filter_map(|result| Some(&result.as_ref().ok()?.as_ref()?.0));
-        tally.hybrid = hybrids::history(self.plan, shares().map(|share| &share.modes), &groups);
+        tally.hybrid =
+            hybrids::history(self.plan, shares().map(|share| &share.modes), (&groups, &self.arena.home));
         tally.withheld = shares().map(|share| share.withheld).sum();
         events::gather(found, tally, self.plan.model.output.times.len())
     }

@@ -1,6 +1,7 @@
 //! What the split sampler says of itself: where hybrid species were carried how, and what splitting costs.
 
 use crate::chemistry::split::{Modes, SplittingError};
+use crate::model::Domain;
 use crate::plan::Plan;
 use crate::quantity::readable::{show, significant};
 use crate::record::{HybridRecord, StepsRecord};
@@ -9,20 +10,23 @@ use crate::record::{HybridRecord, StepsRecord};
 pub(super) fn history<'a>(
     plan: &Plan,
     modes: impl Iterator<Item = &'a Modes> + Clone,
-    groups: &[usize],
+    (groups, home): (&[usize], &[u8]),
 ) -> Vec<HybridRecord> {
     let Some(hybrid) = &plan.reactor.hybrid else { return Vec::new() };
     let names = plan.model.domain.group_names();
     let mut found = Vec::new();
     for (k, &s) in hybrid.species.iter().enumerate() {
         for g in 0..names.len().max(1) {
-            let voxels: Vec<usize> = (0..groups.len()).filter(|&i| groups[i] == g).collect();
+            let voxels: Vec<usize> = (0..groups.len())
+                .filter(|&i| groups[i] == g && plan.reactor.habitat[s].holds(home[i]))
+                .collect();
             if voxels.is_empty() {
                 continue;
             }
             let mut record = HybridRecord {
                 species: plan.reactor.species[s].clone(),
                 group: names.get(g).cloned().unwrap_or_else(|| "all".into()),
+                realizations: modes.clone().count() as u32,
                 ..HybridRecord::default()
             };
             let mut looks = 0.0_f64;
@@ -50,12 +54,17 @@ pub(super) fn approximations(
 ) -> Vec<String> {
     let mut words: Vec<String> = splitting.into_iter().collect();
     if let (Some(words), Some((error, duration))) = (words.first_mut(), found) {
-        words.push_str(&format!(
-            "; estimated relative error {} of {} after {} (rate equations with shorter steps)",
-            significant(error.relative, 2),
-            plan.reactor.species[error.species],
-            show(*duration, "s")
-        ));
+        words.push_str(&if error.relative.is_nan() {
+            String::from("; the error of so long a step takes too long to estimate")
+        } else {
+            format!(
+                "; estimated relative error {} of {} after {} (rate equations with shorter steps{})",
+                significant(error.relative, 2),
+                plan.reactor.species[error.species],
+                show(*duration, "s"),
+                if moving(plan) { ", the particles at rest" } else { "" }
+            )
+        });
     }
     if let Some(hybrid) = &plan.reactor.hybrid {
         let names: Vec<&str> = hybrid.species.iter().map(|&s| plan.reactor.species[s].as_str()).collect();
@@ -77,6 +86,10 @@ pub(super) fn withheld(expected: f64) -> Option<String> {
             significant(expected, 3)
         )
     })
+}
+
+fn moving(plan: &Plan) -> bool {
+    matches!(&plan.model.domain, Domain::Particles(domain) if domain.fluid.is_some())
 }
 
 /// A splitting error from which on a run warns.

@@ -252,7 +252,8 @@ impl<'p, const D: usize> Ready<'p, D> {
             }
         }
         let groups: Vec<usize> = self.scene.plan.home.iter().map(|&home| usize::from(home)).collect();
-        tally.hybrid = hybrids::history(self.plan, members.iter().map(|one| &one.state.modes), &groups);
+        let voxels = (groups.as_slice(), self.scene.plan.home.as_slice());
+        tally.hybrid = hybrids::history(self.plan, members.iter().map(|one| &one.state.modes), voxels);
         tally.withheld = members.iter().map(|one| one.state.withheld).sum();
         if let Some(flow) = &self.scene.flow {
             tally.particle_steps = flow.particle_steps();

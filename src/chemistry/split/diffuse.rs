@@ -3,7 +3,7 @@
 use super::SplitState;
 use super::frozen::Frozen;
 use crate::chemistry::diffusion::Jumps;
-use crate::chemistry::reactor::Reactor;
+use crate::chemistry::reactor::{MOST_MOLECULES, Reactor};
 use crate::error::RunError;
 
 impl SplitState {
@@ -27,14 +27,14 @@ impl SplitState {
             if jumps.tail.is_empty() {
                 continue;
             }
-            if let Some((voxel, &count)) = self
-                .amounts
-                .iter()
-                .skip(s)
-                .step_by(species)
-                .enumerate()
-                .find(|&(_, &n)| !(0.0..f64::INFINITY).contains(&n))
+            if let Some((voxel, &count)) =
+                self.amounts.iter().skip(s).step_by(species).enumerate().find(|&(_, &n)| {
+                    !(0.0..f64::INFINITY).contains(&n) || reactor.discrete[s] && n > MOST_MOLECULES
+                })
             {
+                if count > MOST_MOLECULES {
+                    return Err(reactor.too_many(s, count, time, voxel));
+                }
                 let (species, event) =
                     (reactor.species[s].clone(), String::from("the start of a diffusion step"));
                 return Err(RunError::NegativeCount { time, voxel, species, count, event });

@@ -28,11 +28,11 @@ pub type Feed<'a> = dyn Fn(&mut [f64], f64) + 'a;
 const BUDGET: f64 = 5e7;
 
 /// Operations of a reaction in a voxel: a step of the rate equations.
-const PER_REACTION: f64 = 100.0;
+const PER_REACTION: f64 = 50.0;
 
 /// The error after `steps` steps of `step` seconds from `amounts` on the frozen geometry, or after as many as the
-/// budget allows. `feed` is what acts besides reactions and diffusion, for a time in s, before and after each step.
-/// `None` where nothing is split, where one step is too much, or where the rate equations fail.
+/// budget allows; not a number if even one is too much. `feed` is what acts besides reactions and diffusion, for a
+/// time in s, before and after each step. `None` where nothing is split, or where the rate equations fail.
 #[must_use]
 pub fn splitting_error(
     reactor: &Reactor,
@@ -51,12 +51,21 @@ pub fn splitting_error(
     if diffusing.is_empty() || reacting == 0 && feed.is_none() || steps == 0 {
         return None;
     }
-    let entries: usize = diffusing.iter().filter_map(|&s| frozen.table(s)).map(|table| table.entries()).sum();
-    let cost = 6.0 * entries as f64 + PER_REACTION * reacting as f64;
-    let affordable = (BUDGET / (3.0 * cost)) as u64;
-    let compared = steps.min(affordable);
+    // What one step costs: each stage of diffusion goes once over the entries of its table.
+    let cost = |step: f64| -> f64 {
+        let moves = diffusing.iter().filter_map(|&s| Some((frozen.table(s)?, reactor.diffusivity[s])));
+        let diffusion: f64 = moves
+            .map(|(table, diffusivity)| {
+                let (jumps, pieces) = Jumps::expected(diffusivity * table.rate * step);
+                (table.entries() * jumps.tail.len() * pieces) as f64
+            })
+            .sum();
+        diffusion + 2.0 * PER_REACTION * reacting as f64
+    };
+    let mut spent = cost(step) + 2.0 * cost(0.5 * step);
+    let compared = steps.min((BUDGET / spent) as u64);
     if compared == 0 {
-        return None;
+        return Some(SplittingError { relative: f64::NAN, species: 0, steps: 0 });
     }
     let mut field = MeanField { reactor, frozen, equations: RateEquations::default(), flow: Flow::default() };
     let mut run = |step: f64, steps: u64| -> Result<Vec<f64>, RunError> {
@@ -92,6 +101,10 @@ pub fn splitting_error(
             break;
         }
         let parts = 1_u32 << halvings;
+        spent += f64::from(parts) * cost(step / f64::from(parts));
+        if spent * compared as f64 > 4.0 * BUDGET {
+            break;
+        }
         let finest = run(step / f64::from(parts), u64::from(parts) * compared).ok()?;
         let (_, still) = largest(&finer, &finest);
         finer = finest;

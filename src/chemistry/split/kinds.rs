@@ -20,14 +20,14 @@ pub(super) struct Lists {
     pub integrated: Vec<u32>,
     /// Whether one sort changes what the other reads.
     pub coupled: bool,
-    /// Whether events are all that happens: nothing is integrated, no real amount is taken from.
+    /// Whether events are all that happens: nothing is integrated, no real amount is taken from, no surface faced.
     pub plain: bool,
     /// Sampled reactions that take whole molecules out of a continuous amount.
     pub taking: Vec<u32>,
 }
 
 impl Lists {
-    fn sort(propensities: &Propensities, here: &[u32]) -> Lists {
+    fn sort(propensities: &Propensities, here: &[u32], weighted: bool) -> Lists {
         let (sampled, integrated): (Vec<u32>, Vec<u32>) =
             here.iter().partition(|&&r| propensities.stochastic(r as usize));
         let changes = |list: &[u32], s: u32| {
@@ -43,7 +43,7 @@ impl Lists {
             changes.any(|&(s, change)| change < 0.0 && !propensities.whole(s as usize))
         };
         let taking: Vec<u32> = sampled.iter().copied().filter(takes).collect();
-        let plain = integrated.is_empty() && taking.is_empty();
+        let plain = integrated.is_empty() && taking.is_empty() && !weighted;
         Lists { sampled, integrated, coupled, plain, taking }
     }
 }
@@ -86,5 +86,5 @@ fn lists(reactor: &Reactor, (home, current, surfaces): (u8, u8, u64)) -> Vec<Lis
         }
     }
     let modes = reactor.hybrid.as_ref().map_or(1, |hybrid| hybrid.modes());
-    (0..modes).map(|mode| Lists::sort(reactor.propensities_in(mode as u8), &here)).collect()
+    (0..modes).map(|mode| Lists::sort(reactor.propensities_in(mode as u8), &here, surfaces != 0)).collect()
 }

@@ -183,6 +183,9 @@ impl SplitState {
     fn round_amounts(&mut self, hybrid: &Hybrid, frozen: &Frozen, k: usize, leaving: &[u32]) {
         let s = hybrid.species[k];
         let count = self.supplied.len();
+        if leaving.is_empty() && self.modes.left_over[s] == 0.0 {
+            return;
+        }
         let (mut sum, offset) = (0.0_f64, self.changing.random::<f64>());
         for slot in leaving.iter().map(|&i| i as usize * count + s).filter(|&slot| !frozen.is_held(slot)) {
             let n = self.amounts[slot];

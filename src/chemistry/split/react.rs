@@ -32,7 +32,7 @@ impl SplitState {
             }
             let row = i * species..(i + 1) * species;
             let held: &[bool] = if frozen.held.is_empty() { &[] } else { &frozen.held[row.clone()] };
-            if lists.plain && frozen.weights.is_empty() {
+            if lists.plain {
                 let propensities = reactor.propensities_in(mode);
                 let here = (&self.amounts[row.clone()], frozen.scales[i], held);
                 let idle = hazard(propensities, &lists.sampled, here) * dt;

@@ -12,6 +12,7 @@ mod select;
 use super::channels::{Channels, choose};
 use super::system::Column;
 use super::{EventMethod, Key, Ledger, System};
+use crate::chemistry::reactor::MOST_MOLECULES;
 use crate::chemistry::sampling_numbers::{binomial, exponential, poisson};
 use crate::error::RunError;
 use crate::random::{Purpose, Stream, stream};
@@ -90,6 +91,12 @@ impl<'a> TauLeaping<'a> {
             self.fire_many(tau);
             if one {
                 self.fire_critical(critical);
+            }
+            if let Some(slot) = self.channels.ledger.amounts.iter().position(|&n| n > MOST_MOLECULES) {
+                let reactor = self.channels.system.reactor;
+                let (voxel, s) = (slot / self.orders.len(), slot % self.orders.len());
+                let value = self.channels.ledger.amounts[slot];
+                return Err(reactor.too_many(s, value, self.channels.ledger.time, voxel));
             }
             if self.channels.ledger.amounts.iter().any(|&n| n < 0.0) {
                 self.channels.ledger.clone_from(&self.before);
