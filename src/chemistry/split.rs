@@ -133,6 +133,19 @@ impl SplitState {
         self.amounts.iter().skip(s).step_by(self.supplied.len()).sum::<f64>() + self.modes.left_over(s)
     }
 
+    /// Molecules of discrete species that appeared or vanished since the totals were `start`, outside reactions and
+    /// reservoirs: zero unless something is wrong.
+    #[must_use]
+    pub fn astray(&self, reactor: &Reactor, start: &[f64]) -> f64 {
+        /// Amounts of a hybrid species are not whole; less than this of a molecule is rounding.
+        const ROUNDING: f64 = 1e-3;
+        (0..start.len())
+            .filter(|&s| reactor.discrete[s])
+            .map(|s| (self.total(s) - start[s] - self.made(reactor, s) - self.supplied[s]).abs())
+            .filter(|off| *off >= ROUNDING || off.is_nan())
+            .sum()
+    }
+
     /// Notes that held amount `slot` emits by `mean` instead of the amount it shows.
     pub(super) fn emit_by(&mut self, slot: usize, mean: f64) {
         if self.held_mean.is_empty() {

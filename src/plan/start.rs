@@ -4,9 +4,11 @@ use super::{Arena, Plan};
 use crate::chemistry::AVOGADRO;
 use crate::chemistry::deal::apportion;
 use crate::chemistry::reactor::MOST_MOLECULES;
+use crate::chemistry::sampling_numbers::poisson;
 use crate::error::{Fault, ModelError, Place};
 use crate::model::conditions::What;
 use crate::model::{Amount, Deal, Domain, Initial, Material};
+use crate::random::{Purpose, stream};
 use crate::vector::Vector;
 
 /// Voxels as they are at an instant, one entry each.
@@ -33,6 +35,17 @@ pub struct Start {
 }
 
 impl Start {
+    /// Amounts of a realization, named by the seed of the run and its number.
+    #[must_use]
+    pub fn deal(&self, (seed, realization): (u64, u64)) -> Vec<f64> {
+        let mut amounts = self.amounts.clone();
+        let mut random = stream(seed, realization, Purpose::Deal);
+        for &(index, mean) in &self.poisson {
+            amounts[index as usize] += poisson(&mut random, mean) as f64;
+        }
+        amounts
+    }
+
     /// Amounts with means where they are dealt.
     #[must_use]
     pub fn means(&self) -> Vec<f64> {

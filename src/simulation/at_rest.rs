@@ -65,11 +65,7 @@ impl<const D: usize> Ready<'_, D> {
     ) -> Result<Option<(Share, Observed)>, RunError> {
         let (model, count) = (&self.plan.model, self.plan.reactor.species.len());
         let key = (model.run.seed, u64::from(number));
-        let mut amounts = self.start.amounts.clone();
-        let mut random = stream(key.0, key.1, Purpose::Deal);
-        for &(index, mean) in &self.start.poisson {
-            amounts[index as usize] += poisson(&mut random, mean) as f64;
-        }
+        let amounts = self.start.deal(key);
         let mut observed = Observed::new(number);
         let Some(mut played) = events::start(method, &model.chemistry, system, amounts, key)? else {
             return Ok(None);

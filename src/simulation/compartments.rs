@@ -3,7 +3,6 @@
 use super::clock::{Interval, intervals};
 use super::events::{self, Share};
 use super::{FORWARD_EULER, NotReady, Outcome, Tally, Watch, euler_caveat, hybrids, paths};
-use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::split::{
     Frozen, SplitState, SplittingError, longest_euler_step, splitting_error, step_bounds,
 };
@@ -15,7 +14,6 @@ use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, Voxels, check_amounts, start};
 use crate::plan::{Compartments, Plan};
 use crate::quantity::readable::show;
-use crate::random::{Purpose, stream};
 use crate::record::{StepRecord, StepsRecord};
 use crate::samples::SeriesBlock;
 use crate::sampling::{Observed, Sums};
@@ -158,7 +156,7 @@ impl<'p> Ready<'p> {
         let task = Task {
             count: numbers.len(),
             halts: &events::halts(&self.plan.model.output.times),
-            start: &|k| (self.deal(numbers[k]), self.key(numbers[k])),
+            start: &|k| (self.start.deal(self.key(numbers[k])), self.key(numbers[k])),
             stopped: &|| watch.stopped(),
         };
         let played =
@@ -167,7 +165,7 @@ impl<'p> Ready<'p> {
         let found = played.into_iter().zip(observed).zip(numbers);
         found
             .map(|((played, seen), &number)| {
-                let begun = || events::free_totals(system, &self.deal(number));
+                let begun = || events::free_totals(system, &self.start.deal(self.key(number)));
                 let played = played.map_err(|error| error.of(number))?;
                 Ok(played.map(|ledger| (events::share(system, &begun(), &ledger), seen)))
             })
@@ -178,17 +176,6 @@ impl<'p> Ready<'p> {
         (self.plan.model.run.seed, u64::from(number))
     }
 
-    /// Amounts of realization `number` at the start.
-    fn deal(&self, number: u32) -> Vec<f64> {
-        let (seed, realization) = self.key(number);
-        let mut amounts = self.start.amounts.clone();
-        let mut random = stream(seed, realization, Purpose::Deal);
-        for &(index, mean) in &self.start.poisson {
-            amounts[index as usize] += poisson(&mut random, mean) as f64;
-        }
-        amounts
-    }
-
     /// One realization; `None` if it was stopped.
     fn one(
         &self,
@@ -197,7 +184,8 @@ impl<'p> Ready<'p> {
         watch: &Watch,
     ) -> Result<Option<(Share, Observed)>, RunError> {
         let model = &self.plan.model;
-        let (amounts, key) = (self.deal(number), self.key(number));
+        let key = self.key(number);
+        let amounts = self.start.deal(key);
         let mut observed = Observed::new(number);
         let found = if let Some((clock, _)) = &self.split {
             self.step(
@@ -240,14 +228,7 @@ impl<'p> Ready<'p> {
             }
             self.sums.look(&state.amounts, &mut observed.series);
         }
-        let off =
-            |s: usize| state.total(s) - start[s] - state.made(&self.plan.reactor, s) - state.supplied[s];
-        let lost = (0..start.len())
-            .filter(|&s| self.plan.reactor.discrete[s])
-            .map(|s| off(s).abs())
-            // Amounts of a hybrid species are not whole; less than a thousandth of a molecule is rounding.
-            .filter(|off| *off >= 1e-3)
-            .sum();
+        let lost = state.astray(&self.plan.reactor, &start);
         Ok(Some(Share {
             counters: state.counters,
             supplied: state.supplied,

@@ -63,34 +63,22 @@ impl<'p, const D: usize> Ready<'p, D> {
         let groups: Vec<usize> = arena.home.iter().map(|&home| usize::from(home)).collect();
         paths::check(plan, &frozen, &groups)?;
         check_euler(&plan.model, longest_euler_step(&plan.reactor, &frozen))?;
-        if event_driven(plan).is_some() {
-            // Events know no step; realizations go from output time to output time.
-            let (chemistry_step, chemistry_limit) = (f64::INFINITY, String::new());
-            let clock = Vec::new();
-            return Ok(Ready {
-                plan,
-                scene,
-                frozen,
-                start,
-                chemistry_step,
-                chemistry_limit,
-                fluid,
-                clock,
-                fluid_seconds,
-                splitting: None,
-            });
-        }
-        let bounds = bounds(plan, &scene, &frozen, &start);
-        let automatic = (bounds.step(), bounds.limited_by().to_string());
-        let (chemistry_step, chemistry_limit) = match plan.model.chemistry.step {
-            Some(step) => (step, "the step given in the model".to_string()),
-            // Where nothing limits the step, outputs do.
-            None if automatic.0 > until => (until, "the output times".to_string()),
-            None => automatic,
+        // Events know no step; realizations go from output time to output time.
+        let (chemistry_step, chemistry_limit, clock, splitting) = if event_driven(plan).is_some() {
+            (f64::INFINITY, String::new(), Vec::new(), None)
+        } else {
+            let bounds = bounds(plan, &scene, &frozen, &start);
+            let (step, limit) = match plan.model.chemistry.step {
+                Some(step) => (step, "the step given in the model".to_string()),
+                // Where nothing limits the step, outputs do.
+                None if bounds.step() > until => (until, "the output times".to_string()),
+                None => (bounds.step(), bounds.limited_by().to_string()),
+            };
+            check_steps(&plan.model.places.chemistry, "chemistry", step, &limit, until)?;
+            let clock = intervals(&plan.model.output.times, step, fluid.as_ref().map(|f| f.0));
+            let splitting = estimate(plan, &scene, &frozen, &start, &clock);
+            (step, limit, clock, splitting)
         };
-        check_steps(&plan.model.places.chemistry, "chemistry", chemistry_step, &chemistry_limit, until)?;
-        let clock = intervals(&plan.model.output.times, chemistry_step, fluid.as_ref().map(|f| f.0));
-        let splitting = estimate(plan, &scene, &frozen, &start, &clock);
         Ok(Ready {
             plan,
             scene,
@@ -241,15 +229,8 @@ impl<'p, const D: usize> Ready<'p, D> {
         for one in members {
             tally.reaction_events += one.state.counters.events;
             tally.hops += one.state.counters.hops;
-            for (s, start) in one.total.iter().enumerate() {
-                tally.supplied[s] += one.state.supplied[s];
-                if self.plan.reactor.discrete[s] {
-                    let made = one.state.made(&self.plan.reactor, s);
-                    let off = one.state.total(s) - start - made - one.state.supplied[s];
-                    // Amounts of a hybrid species are not whole; less than a thousandth of a molecule is rounding.
-                    tally.lost += if off.abs() < 1e-3 { 0.0 } else { off.abs() };
-                }
-            }
+            tally.supplied.iter_mut().zip(&one.state.supplied).for_each(|(sum, n)| *sum += n);
+            tally.lost += one.state.astray(&self.plan.reactor, &one.total);
         }
         let groups: Vec<usize> = self.scene.plan.home.iter().map(|&home| usize::from(home)).collect();
         let voxels = (groups.as_slice(), self.scene.plan.home.as_slice());

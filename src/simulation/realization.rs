@@ -1,12 +1,10 @@
 //! One realization on particles: the parts of a chemistry step, and what surrounds it.
 
-use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::split::{Frozen, SplitState};
 use crate::error::RunError;
 use crate::model::Integrator;
 use crate::plan::Plan;
 use crate::plan::start::{Start, sponge_targets};
-use crate::random::{Purpose, stream};
 use crate::sampling::Observed;
 use crate::scene::Scene;
 
@@ -62,13 +60,8 @@ pub(super) struct Realization {
 impl Realization {
     /// Realization `number` at t = 0.
     pub fn new(plan: &Plan, start: &Start, number: u32) -> Realization {
-        let seed = plan.model.run.seed;
-        let mut amounts = start.amounts.clone();
-        let mut random = stream(seed, u64::from(number), Purpose::Deal);
-        for &(index, mean) in &start.poisson {
-            amounts[index as usize] += poisson(&mut random, mean) as f64;
-        }
-        let state = SplitState::new(&plan.reactor, amounts, seed, u64::from(number));
+        let (seed, realization) = (plan.model.run.seed, u64::from(number));
+        let state = SplitState::new(&plan.reactor, start.deal((seed, realization)), seed, realization);
         let mut one = Realization { state, total: Vec::new(), observed: Observed::new(number) };
         one.deal_held(plan, start);
         // What is dealt at the start is there from the start.
