@@ -43,6 +43,10 @@ fn bath<const D: usize>(n: usize, hole: f64, velocity: f64) -> Setup<D> {
         body_force: Vector::zeros(),
         sponges: Vec::new(),
         initial_velocity: Vector::zeros(),
+        method: Default::default(),
+        friction: Default::default(),
+        state: Default::default(),
+        noise: None,
         options: Options::default(),
     }
 }

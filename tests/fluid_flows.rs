@@ -48,6 +48,10 @@ fn channel(n: i32, finer: i32, viscosity: f64, speed: f64, body_force: V, upper:
         body_force,
         sponges: Vec::new(),
         initial_velocity: V::zeros(),
+        method: Default::default(),
+        friction: Default::default(),
+        state: Default::default(),
+        noise: None,
         options: Options::default(),
     };
     Flow::new(setup).expect("the channel is sound")
@@ -138,6 +142,10 @@ fn taylor_green(n: i32, reynolds: f64) -> Flow<2> {
         body_force: V::zeros(),
         sponges: Vec::new(),
         initial_velocity: V::zeros(),
+        method: Default::default(),
+        friction: Default::default(),
+        state: Default::default(),
+        noise: None,
         options: Options::default(),
     };
     let mut flow = Flow::new(setup).expect("the box is sound");

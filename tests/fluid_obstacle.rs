@@ -71,6 +71,10 @@ fn channel(spacing: f64, walls: Slip, spin: f64) -> Flow<2> {
             velocity: Arc::new(|_| V::new(SPEED, 0.0)),
         }],
         initial_velocity: V::zeros(),
+        method: Default::default(),
+        friction: Default::default(),
+        state: Default::default(),
+        noise: None,
         options: Options::default(),
     };
     Flow::new(setup).expect("the channel is sound")

@@ -137,6 +137,10 @@ mod tests {
             body_force: Vector::<2>::zeros(),
             sponges: Vec::new(),
             initial_velocity: Vector::<2>::zeros(),
+            method: Default::default(),
+            friction: Default::default(),
+            state: Default::default(),
+            noise: None,
             options: Options { delta: 0.0, shift: Some(0.0), ..Options::default() },
         };
         Flow::new(setup).expect("a sound setup")

@@ -41,5 +41,7 @@ pub use limit::StepLimit;
 pub use motion::Motion;
 pub use neighbours::Grid;
 pub use observe::{FlowHealth, Snapshot};
-pub use setup::{Body, BodyKind, Options, Placed, Setup, Slip, Sponge};
+pub use setup::{
+    Body, BodyKind, EquationOfState, Friction, Method, Noise, Options, Placed, Setup, Slip, Sponge,
+};
 pub use weights::Weights;

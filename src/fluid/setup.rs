@@ -37,7 +37,56 @@ pub struct Setup<const D: usize> {
     pub sponges: Vec<Sponge<D>>,
     /// Of all fluid, m/s.
     pub initial_velocity: Vector<D>,
+    pub method: Method,
+    pub friction: Friction,
+    pub state: EquationOfState,
+    /// Thermal noise, if any.
+    pub noise: Option<Noise>,
     pub options: Options,
+}
+
+/// The equations of the fluid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Transport velocity with walls found from a volume fraction (Jacob et al. 2021).
+    #[default]
+    SphBvf,
+    /// Smoothed dissipative particle dynamics (Español & Revenga 2003): particles move with their momentum.
+    Sdpd,
+    /// Weakly compressible SPH as it was before transport velocities: particles move with their momentum.
+    Sph,
+}
+
+/// The form of the friction between neighbours, and with it of the thermal noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Friction {
+    /// Along the difference of velocities (Morris, Fox & Zhu 1997).
+    #[default]
+    Morris,
+    /// With a part along the line of centres (Español & Revenga 2003).
+    EspanolRevenga,
+}
+
+/// Pressure as a function of density.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EquationOfState {
+    /// p = c0² (rho - rho0).
+    #[default]
+    Linear,
+    /// p = c0² rho0/7 ((rho/rho0)⁷ - 1).
+    Tait7,
+}
+
+/// Thermal noise between neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// kT over the thickness of the directions that are not simulated, J/m^(3-D).
+    pub energy: f64,
+    pub seed: u64,
+    pub realization: u64,
 }
 
 /// A particle at the start.
@@ -100,6 +149,13 @@ pub struct Options {
     pub skin: f64,
     /// Steps between corrections of the mean density; 0 turns them off.
     pub drift_correction: u64,
+    /// SPH-BVF Eqs (26)-(29): another form of the pressure force where pressure is negative. Breaks conservation
+    /// of momentum; for comparison with print.
+    pub pressure_switch: bool,
+    /// Steps between Shepard filters of the density, if any.
+    pub shepard: Option<u64>,
+    /// The density rate as printed; it drifts where particles crowd. For comparison.
+    pub printed_density_rate: bool,
 }
 
 impl Default for Options {
@@ -112,6 +168,9 @@ impl Default for Options {
             surface_fraction: 0.49,
             skin: 0.15,
             drift_correction: 20,
+            pressure_switch: false,
+            shepard: None,
+            printed_density_rate: false,
         }
     }
 }

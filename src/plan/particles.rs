@@ -319,6 +319,10 @@ impl<const D: usize> ParticlePlan<D> {
             body_force,
             sponges,
             initial_velocity: narrow::<D>(&fluid.velocity),
+            method: Default::default(),
+            friction: Default::default(),
+            state: Default::default(),
+            noise: None,
             options: Options::default(),
         }
     }
