@@ -95,3 +95,37 @@ fn each_realization_of_counted_molecules_has_its_own_flow() {
     let steps = |dir: &Path| record(dir)["performance"]["particle_steps"].as_u64().unwrap();
     assert_eq!(steps(&one), 5 * steps(&last));
 }
+
+/// A solute of the same concentration everywhere that weighs the fluid down does what a body force does, pressure
+/// on the floor included. What is left is the concentration that rises as the fluid is compressed, here by 1 %.
+#[test]
+fn lift_that_is_the_same_everywhere_is_a_body_force() {
+    use gillesph::tables::{list_particles, read_particles};
+    let bench = Bench::new();
+    let pressures = |condition: &str| {
+        let text = format!(
+            "name: weight
+reactions: {{ species: {{ A: {{ diffusion: 1e-9 m^2/s }} }}, reactions: {{}} }}
+domain: {{ kind: particles, dimensions: 2, min: [0, 0], max: [1 mm, 1 mm], boundaries: {{ x: periodic, y: no_slip }} }}
+particles: {{ spacing: 0.1 mm, support: 2.6 }}
+fluid: {{ density: 1000 kg/m^3, viscosity: 10 mPa s, speed: 0.02 m/s, sound_speed: 1 m/s }}
+conditions: {{ c: {{ {condition} }} }}
+initial: {{ A: 1 mM }}
+chemistry: {{ representation: continuous, step: 0.1 ms }}
+run: {{ until: 2 ms }}
+output: {{ times: [2 ms], particles: {{ times: [2 ms] }} }}
+"
+        );
+        let dir = bench.run(&bench.model("weight.yaml", &text), "weight", &["--force"]);
+        let frame = read_particles(&list_particles(&dir).remove(0).2).unwrap().1.remove(0);
+        (frame.pressure, frame.position)
+    };
+    let (force, places) = pressures("force: { acceleration: [0, -10 m/s^2] }");
+    let (lift, _) = pressures("buoyancy: { species: A, expansion: -1 m^3/mol, gravity: [0, -10 m/s^2] }");
+    let largest = force.iter().fold(0.0_f64, |most, p| most.max(p.abs()));
+    // The floor bears rho g H = 10 Pa, give or take the sound that the start sends out.
+    assert!(largest > 5.0, "{largest}");
+    for ((a, b), x) in force.iter().zip(&lift).zip(&places) {
+        assert!((a - b).abs() < 0.02 * largest, "{a} and {b} Pa at {x:?}");
+    }
+}

@@ -20,6 +20,8 @@ pub fn probes(samples: &Samples) -> Vec<Figure> {
     for row in &samples.probes {
         // Lines through one-dimensional models are drawn with their species together.
         let drawn = samples.record.domain.dimensions == 1 && !is_ring(samples, &row.probe);
+        // A surface has no extent along which to draw.
+        let drawn = drawn || samples.record.probes.iter().any(|p| p.name == row.probe && p.kind == "surface");
         if !names.contains(&row.probe.as_str()) && !drawn {
             names.push(&row.probe);
         }

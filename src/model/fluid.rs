@@ -32,7 +32,7 @@ pub struct FluidModel {
     pub temperature: Option<f64>,
     /// At the start.
     pub velocity: Velocity,
-    /// How long the flow runs before t = 0, s.
+    /// How long the flow runs before t = 0, s; nothing lifts it meanwhile.
     pub settle: f64,
     pub options: Options,
 }
