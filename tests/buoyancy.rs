@@ -123,8 +123,8 @@ output: {{ times: [2 ms], particles: {{ times: [2 ms] }} }}
     let (force, places) = pressures("force: { acceleration: [0, -10 m/s^2] }");
     let (lift, _) = pressures("buoyancy: { species: A, expansion: -1 m^3/mol, gravity: [0, -10 m/s^2] }");
     let largest = force.iter().fold(0.0_f64, |most, p| most.max(p.abs()));
-    // The floor bears rho g H = 10 Pa, give or take the sound that the start sends out.
-    assert!(largest > 5.0, "{largest}");
+    // Up to 5 Pa either way about the mean when at rest, less on the swing of the sound that the start sends out.
+    assert!(largest > 1.0, "{largest}");
     for ((a, b), x) in force.iter().zip(&lift).zip(&places) {
         assert!((a - b).abs() < 0.02 * largest, "{a} and {b} Pa at {x:?}");
     }
