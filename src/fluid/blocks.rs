@@ -19,6 +19,9 @@ pub struct Contact<const D: usize> {
     pub j: u32,
 }
 
+/// Marks a candidate that is seen round a periodic axis; fewer than 2^31 particles fit any memory of today.
+const TURNED: u32 = 1 << 31;
+
 /// Lists of candidates, one a particle of a block, and those of them within the cut-off.
 #[derive(Clone, Debug, Default)]
 pub struct Rows<const D: usize> {
@@ -56,6 +59,11 @@ impl<const D: usize> Rows<D> {
         self.list.clear();
     }
 
+    /// Lists particle `j`, seen round a periodic axis if `turned`.
+    fn push(&mut self, j: usize, turned: bool) {
+        self.list.push(j as u32 | if turned { TURNED } else { 0 });
+    }
+
     fn end_row(&mut self) {
         self.ends.push(self.list.len() as u32);
     }
@@ -67,7 +75,7 @@ impl<const D: usize> Rows<D> {
         first: usize,
         cutoff: f64,
         positions: &[Vector<D>],
-        separation: impl Fn(&Vector<D>, &Vector<D>) -> Vector<D>,
+        separation: impl Fn(&Vector<D>, &Vector<D>, bool) -> Vector<D>,
     ) {
         let limit = cutoff * cutoff;
         self.contact_ends.clear();
@@ -84,8 +92,9 @@ impl<const D: usize> Rows<D> {
             let here = positions[first + row];
             let into = &mut self.contacts[found..needed];
             let mut taken = 0;
-            for &j in candidates {
-                let x = separation(&here, &positions[j as usize]);
+            for &candidate in candidates {
+                let j = candidate & !TURNED;
+                let x = separation(&here, &positions[j as usize], candidate & TURNED != 0);
                 let r2 = x.norm_squared();
                 // Written always, kept if near: no branch to be guessed.
                 into[taken] = Contact { x, weight: r2, f_shift: 0.0, j };
@@ -111,8 +120,6 @@ pub struct Block<const D: usize> {
     pub outer: Rows<D>,
     /// Pairs of a fluid and a solid particle, in the rows of both.
     pub walls: Rows<D>,
-    /// Whether any pair of fluid particles reaches round a periodic axis.
-    turns: bool,
 }
 
 impl<const D: usize> Block<D> {
@@ -136,14 +143,10 @@ impl<const D: usize> Block<D> {
     /// Finds the contacts among the candidates.
     pub fn find(&mut self, cutoff: f64, shortest: &Shortest<D>, positions: &[Vector<D>]) {
         let first = self.first;
-        if self.turns {
-            self.inner.find(first, cutoff, positions, |a, b| shortest.separation(a, b));
-            self.outer.find(first, cutoff, positions, |a, b| shortest.separation(a, b));
-        } else {
-            self.inner.find(first, cutoff, positions, |a, b| a - b);
-            self.outer.find(first, cutoff, positions, |a, b| a - b);
-        }
-        self.walls.find(first, cutoff, positions, |a, b| shortest.separation(a, b));
+        self.inner.find(first, cutoff, positions, |a, b, turned| shortest.known(a, b, turned));
+        self.outer.find(first, cutoff, positions, |a, b, turned| shortest.known(a, b, turned));
+        // Solids are put back into the box at every step.
+        self.walls.find(first, cutoff, positions, |a, b, _| shortest.separation(a, b));
     }
 
     /// Fills the lists: a fluid particle sees everyone, a solid one only fluid.
@@ -164,7 +167,7 @@ impl<const D: usize> Block<D> {
             if solids {
                 grid.for_each_candidate(&positions[i], positions, |j, _| {
                     if sides[j].is_solid() != solid {
-                        self.walls.list.push(j as u32);
+                        self.walls.push(j, false);
                     }
                 });
             }
@@ -185,7 +188,6 @@ impl<const D: usize> Block<D> {
     ) {
         self.inner.clear();
         self.outer.clear();
-        self.turns = false;
         for i in mine.clone() {
             let alone = !mutual || self.near_solid[i - mine.start];
             if !sides[i].is_solid() {
@@ -194,11 +196,10 @@ impl<const D: usize> Block<D> {
                         return;
                     }
                     if alone || !mine.contains(&j) || self.near_solid[j - mine.start] {
-                        self.outer.list.push(j as u32);
+                        self.outer.push(j, turned);
                     } else if j > i {
-                        self.inner.list.push(j as u32);
+                        self.inner.push(j, turned);
                     }
-                    self.turns |= turned;
                 });
             }
             self.inner.end_row();

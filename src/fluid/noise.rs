@@ -31,8 +31,10 @@ fn deviate(bits: u64) -> f64 {
 /// and its factors. Morris: n = ξ, independent deviates along each axis. Español & Revenga 2003: the symmetric Wiener
 /// matrix with its trace on e, whose law is that of √2 S e = ξ + (√2 - 1)(ξ·e) e, with covariance 1 + e⊗e.
 ///
-/// With a solid the fluid rubs on its own image: the mirrored velocity holds a share s_i of its own, so the
-/// friction of i with it is (1 + s_i) times as large as with a wall at rest, and the noise takes that.
+/// With a solid the fluid rubs on its own image: the mirrored velocity is less the mean Σ s_i v_i of the fluid before
+/// it. Of the friction γ_i (v_i + Σ s_j v_j) the symmetric part is γ_i δ_ij + (γ_i s_j + γ_j s_i)/2, so besides the
+/// noise of the pair there is one that all fluid before the solid particle shares, √s_i of it each: exact on the
+/// diagonal, and beside it where γ and s fall off alike.
 pub struct ThermalNoise<const D: usize> {
     /// Of seed and realization.
     key: u64,
@@ -74,11 +76,26 @@ impl<const D: usize> ThermalNoise<D> {
     pub fn pair(&self, rub: f64, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Vector<D>) {
         let size = (self.power * rub / (i.volume * j.volume)).sqrt();
         let signed = if i.id < j.id { size } else { -size };
-        let mut n = self.draw(i.id, j.id);
-        if self.form == Friction::EspanolRevenga {
-            n += p.x * ((std::f64::consts::SQRT_2 - 1.0) * n.dot(&p.x) / p.x.norm_squared());
+        *out += self.shape(self.draw(i.id, j.id), &p.x) * signed;
+    }
+
+    /// The same between fluid i and solid j, where `share` is the part s_i of i in what j mirrors.
+    #[inline(always)]
+    pub fn solid(&self, rub: f64, share: f64, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Vector<D>) {
+        let size = (self.power * rub / (i.volume * j.volume)).sqrt();
+        let n = self.draw(i.id, j.id) + self.draw(j.id, j.id) * share.sqrt();
+        *out += self.shape(n, &p.x) * size;
+    }
+
+    /// Deviates with the covariance of the friction: 1, or 1 + e⊗e.
+    #[inline(always)]
+    fn shape(&self, n: Vector<D>, x: &Vector<D>) -> Vector<D> {
+        match self.form {
+            Friction::Morris => n,
+            Friction::EspanolRevenga => {
+                n + x * ((std::f64::consts::SQRT_2 - 1.0) * n.dot(x) / x.norm_squared())
+            }
         }
-        *out += n * signed;
     }
 }
 

@@ -125,7 +125,7 @@ impl<const D: usize> Terms<D> {
         let rub = self.rub::<true>(p, i, j);
         self.viscosity.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
         if let Some(noise) = &self.noise {
-            noise.pair(rub * (1.0 + share), p, i, j, &mut out);
+            noise.solid(rub, share, p, i, j, &mut out);
         }
         out
     }
