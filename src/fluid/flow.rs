@@ -39,6 +39,8 @@ pub struct Flow<const D: usize> {
     pub(super) travel: f64,
     pub(super) time: f64,
     pub(super) steps: u64,
+    /// Step the noise in the accelerations was drawn for, s.
+    pub(super) noise_step: f64,
 }
 
 /// What the steps need of the setup.
@@ -117,7 +119,8 @@ impl<const D: usize> Flow<D> {
         }
         let n = positions.len();
         let given_speed = setup.sound_speed;
-        let delta = if setup.method == Method::SphBvf { options.delta } else { 0.0 };
+        // Diffusion without noise of its own would cool the sound waves of a fluctuating fluid.
+        let delta = if setup.method == Method::SphBvf && setup.noise.is_none() { options.delta } else { 0.0 };
         let asks = vec![false; setup.bodies.len()];
         let mut flow = Flow {
             shortest: setup.domain.shortest(),
@@ -151,6 +154,7 @@ impl<const D: usize> Flow<D> {
             travel: 0.0,
             time: 0.0,
             steps: 0,
+            noise_step: 0.0,
         };
         flow.carry_solids();
         flow.sort();

@@ -49,6 +49,9 @@ impl<const D: usize> Flow<D> {
 
     /// Kick, drift, density, walls, forces, bounce, kick.
     fn step(&mut self, dt: f64) -> Result<(), RunError> {
+        if self.terms.noise.is_some() && dt != self.noise_step {
+            self.redraw(dt);
+        }
         self.kick_and_drift(dt);
         self.time += dt;
         self.steps += 1;
@@ -70,6 +73,31 @@ impl<const D: usize> Flow<D> {
         self.tally.particle_steps += self.sides.len() as u64;
         self.tally.pair_evaluations += self.blocks.iter().map(Block::pairs).sum::<u64>();
         Ok(())
+    }
+
+    /// Sums the accelerations anew with the noise of a step of `dt` (s): that of a shorter step is too strong for a
+    /// longer one.
+    fn redraw(&mut self, dt: f64) {
+        self.begin_noise(dt);
+        let (terms, kernel, sides, gravity) = (&self.terms, &self.kernel, &self.sides, self.setup.gravity);
+        self.blocks
+            .par_iter()
+            .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.own.par_chunks_mut(Block::<D>::SIZE))
+            .for_each(|((block, rates), own)| {
+                sweep_forces(block, rates, terms, kernel, sides);
+                for ((rates, own), side) in rates.iter().zip(own).zip(&sides[block.first..]) {
+                    own.acceleration = rates.force / side.density + gravity;
+                }
+            });
+    }
+
+    /// Makes the noise ready for the present step.
+    fn begin_noise(&mut self, dt: f64) {
+        if let Some(noise) = &mut self.terms.noise {
+            noise.begin(self.steps, dt, self.terms.viscosity.a::<D>());
+            self.noise_step = dt;
+        }
     }
 
     /// v += dt/2 a, sponges, x += dt (v + w), for the fluid.
@@ -278,9 +306,7 @@ impl<const D: usize> Flow<D> {
 
     /// Forces and crowding, and the corrections of positions at walls.
     pub(super) fn forces(&mut self, dt: f64) {
-        if let Some(noise) = &mut self.terms.noise {
-            noise.begin(self.steps, dt, self.terms.viscosity.a::<D>());
-        }
+        self.begin_noise(dt);
         let (terms, kernel) = (&self.terms, &self.kernel);
         let (sides, positions, asks) = (&self.sides, &self.positions, &self.asks);
         let asked = asks.iter().any(|&asks| asks);
