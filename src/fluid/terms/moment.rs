@@ -39,14 +39,10 @@ impl Moment {
     pub fn pair<const D: usize>(&self, x: &Vector<D>, i: &Symmetric<D>, j: &Symmetric<D>) -> f64 {
         let r2 = x.norm_squared();
         let (low, high) = (Self::LIMITS.0 * r2, Self::LIMITS.1 * r2);
+        // Written so that it becomes a maximum and a minimum without branches.
         let limited = |c: f64| {
-            if c < low {
-                low
-            } else if c > high {
-                high
-            } else {
-                c
-            }
+            let c = if c > low { c } else { low };
+            if c < high { c } else { high }
         };
         0.5 * (limited(i.along(x)) + limited(j.along(x))) / r2
     }
