@@ -1,5 +1,8 @@
 //! The longest stable step, and the sound speed that goes with it.
 
+use rayon::prelude::*;
+
+use crate::fluid::blocks::{Block, Contact};
 use crate::fluid::flow::Flow;
 use crate::fluid::pass::Pair;
 use crate::random::mix;
@@ -89,38 +92,38 @@ impl<const D: usize> Flow<D> {
 
     /// Friction per volume at the velocities `u`, zero for solids.
     fn rub(&self, u: &[Vector<D>], out: &mut [Vector<D>]) {
-        out.fill(Vector::zeros());
         let terms = &self.terms;
         let friction = |rub: f64, x: &Vector<D>, apart: Vector<D>| {
             let mut force = Vector::zeros();
             terms.viscosity.pair(rub, x, &apart, &mut force);
             force
         };
-        for block in &self.blocks {
-            for (row, near) in block.near_solid.iter().enumerate() {
-                let i = block.first + row;
-                let side = &self.sides[i];
-                let seen = |c: &crate::fluid::blocks::Contact<D>| {
-                    (c.j as usize, Pair { x: c.x, f: c.weight, f_shift: c.f_shift })
-                };
+        // As the sweep of forces: a block writes to its own particles only.
+        self.blocks.par_iter().zip(out.par_chunks_mut(Block::<D>::SIZE)).for_each(|(block, out)| {
+            out.fill(Vector::zeros());
+            let first = block.first;
+            let seen = |c: &Contact<D>| (c.j as usize, Pair { x: c.x, f: c.weight, f_shift: c.f_shift });
+            for row in 0..out.len() {
+                let (i, side) = (first + row, &self.sides[first + row]);
                 for (j, p) in block.inner.row(row).iter().map(seen) {
                     let other = &self.sides[j];
                     let force = friction(terms.rub::<false>(&p, side, other), &p.x, u[i] - u[j]);
-                    out[i] += force * other.volume;
-                    out[j] -= force * side.volume;
+                    out[row] += force * other.volume;
+                    out[j - first] -= force * side.volume;
                 }
                 for (j, p) in block.outer.row(row).iter().map(seen) {
                     let other = &self.sides[j];
-                    out[i] += friction(terms.rub::<false>(&p, side, other), &p.x, u[i] - u[j]) * other.volume;
+                    out[row] +=
+                        friction(terms.rub::<false>(&p, side, other), &p.x, u[i] - u[j]) * other.volume;
                 }
-                if *near {
+                if block.near_solid[row] {
                     for (j, p) in block.row(row).iter().map(seen) {
                         let other = &self.sides[j];
-                        out[i] += friction(terms.rub::<true>(&p, side, other), &p.x, u[i]) * other.volume;
+                        out[row] += friction(terms.rub::<true>(&p, side, other), &p.x, u[i]) * other.volume;
                     }
                 }
             }
-        }
+        });
     }
 }
 

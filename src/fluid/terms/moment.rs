@@ -22,7 +22,7 @@ impl Moment {
     #[must_use]
     pub fn correction<const D: usize>(&self, g: &Symmetric<D>) -> Symmetric<D> {
         let size = g.trace() / D as f64;
-        if !(size > 0.0) {
+        if size <= 0.0 {
             // Alone: no pair will ask.
             return Symmetric::identity(1.0);
         }
