@@ -87,6 +87,13 @@ impl<const D: usize> Shortest<D> {
         }
         x
     }
+
+    /// As [`Shortest::separation`] where it is known whether the way leads round a periodic axis.
+    #[inline(always)]
+    #[must_use]
+    pub fn known(&self, a: &Vector<D>, b: &Vector<D>, turned: bool) -> Vector<D> {
+        if turned { self.separation(a, b) } else { a - b }
+    }
 }
 
 #[cfg(test)]

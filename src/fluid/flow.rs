@@ -1,13 +1,17 @@
 //! The flow as a whole: its state, and how it is built.
 
 use crate::error::RunError;
+use crate::fluid::blocks::Block;
 use crate::fluid::domain::{Domain, Shortest};
 use crate::fluid::kernel::Kernel;
-use crate::fluid::neighbours::Block;
+use crate::fluid::noise::ThermalNoise;
 use crate::fluid::particles::{Material, Own, Side};
 use crate::fluid::pass::{Rates, Terms};
-use crate::fluid::setup::{Body, BodyKind, Setup, Slip, Sponge};
-use crate::fluid::terms::{Continuity, DensityDiffusion, Pressure, Shift, TransportStress, Viscosity};
+use crate::fluid::setup::{Body, BodyKind, EquationOfState, Friction, Method, Setup, Slip, Sponge};
+use crate::fluid::symmetric::Symmetric;
+use crate::fluid::terms::{
+    Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity,
+};
 use crate::fluid::wall::Mirror;
 use crate::vector::Vector;
 
@@ -29,10 +33,14 @@ pub struct Flow<const D: usize> {
     pub(super) rates: Vec<Rates<D>>,
     pub(super) mirrors: Vec<Mirror<D>>,
     pub(super) solids: Vec<u32>,
+    /// Bodies whose reaction is asked for.
+    pub(super) asks: Vec<bool>,
     /// Bound on how far any particle moved since the lists were built, m.
     pub(super) travel: f64,
     pub(super) time: f64,
     pub(super) steps: u64,
+    /// Step the noise in the accelerations was drawn for, s.
+    pub(super) noise_step: f64,
 }
 
 /// What the steps need of the setup.
@@ -45,6 +53,8 @@ pub(super) struct Scales<const D: usize> {
     pub shift: f64,
     pub surface_fraction: f64,
     pub drift_correction: u64,
+    pub state: EquationOfState,
+    pub shepard: Option<u64>,
 }
 
 /// What is counted over the steps.
@@ -75,14 +85,7 @@ impl<const D: usize> Flow<D> {
             BodyKind::Fluid { density, .. } => density.min(rho),
             BodyKind::Solid { .. } => rho,
         });
-        let terms = Terms {
-            continuity: Continuity,
-            density_diffusion: None,
-            pressure: Pressure,
-            viscosity: Viscosity,
-            transport_stress: (shift > 0.0).then_some(TransportStress),
-            shift: (shift > 0.0).then_some(Shift::new(shift, h, setup.reference_speed)),
-        };
+        let terms = terms(&setup);
         let (mut positions, mut sides, mut own) = (Vec::new(), Vec::new(), Vec::new());
         for (id, placed) in setup.particles.iter().enumerate() {
             let (material, density, viscosity) = match &setup.bodies[placed.body as usize].kind {
@@ -96,11 +99,14 @@ impl<const D: usize> Flow<D> {
                 velocity: if fluid { setup.initial_velocity } else { Vector::zeros() },
                 drift: Vector::zeros(),
                 density,
-                pressure: 0.0,
                 volume: placed.volume,
-                viscosity,
+                id: id as u32,
                 material,
                 body: placed.body,
+                pressure: 0.0,
+                viscosity,
+                moment: Symmetric::identity(1.0),
+                reach: 0.0,
             });
             own.push(Own {
                 id: id as u32,
@@ -114,7 +120,9 @@ impl<const D: usize> Flow<D> {
         }
         let n = positions.len();
         let given_speed = setup.sound_speed;
-        let delta = options.delta;
+        // Diffusion without noise of its own would cool the sound waves of a fluctuating fluid.
+        let delta = if setup.method == Method::SphBvf && setup.noise.is_none() { options.delta } else { 0.0 };
+        let asks = vec![false; setup.bodies.len()];
         let mut flow = Flow {
             shortest: setup.domain.shortest(),
             kernel: Kernel::new(setup.kernel, h),
@@ -127,6 +135,8 @@ impl<const D: usize> Flow<D> {
                 shift,
                 surface_fraction: options.surface_fraction,
                 drift_correction: options.drift_correction,
+                state: setup.state,
+                shepard: options.shepard,
             },
             domain: setup.domain,
             bodies: setup.bodies,
@@ -141,13 +151,17 @@ impl<const D: usize> Flow<D> {
             rates: vec![Rates::default(); n],
             mirrors: vec![Mirror { velocity: Vector::zeros(), pressure: 0.0 }; n],
             solids: Vec::new(),
+            asks,
             travel: 0.0,
             time: 0.0,
             steps: 0,
+            noise_step: 0.0,
         };
         flow.carry_solids();
+        flow.sort();
         flow.rebuild();
         flow.densities();
+        flow.moments();
         if given_speed.is_none() {
             flow.sound_speed = flow.stiffen();
         }
@@ -171,6 +185,7 @@ impl<const D: usize> Flow<D> {
         }
         self.carry_solids();
         self.densities();
+        self.moments();
         self.mirrors();
         self.forces(0.0);
         self.finish(0.0);
@@ -205,5 +220,30 @@ impl<const D: usize> Flow<D> {
     #[must_use]
     pub fn sound_speed(&self) -> f64 {
         self.sound_speed
+    }
+}
+
+/// The physics a setup asks for, but for the density diffusion, which waits for the sound speed.
+fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
+    let (shift, options) = (setup.shift(), &setup.options);
+    let moved = shift > 0.0;
+    let form = if setup.method == Method::Sph { Friction::Morris } else { setup.friction };
+    Terms {
+        continuity: match setup.method {
+            _ if options.printed_density_rate => Continuity::Printed,
+            Method::SphBvf => Continuity::Advected,
+            Method::Sdpd | Method::Sph => Continuity::Summed,
+        },
+        density_diffusion: None,
+        moment: options.corrected_friction.then_some(Moment),
+        pressure: match setup.method {
+            _ if options.pressure_switch => Pressure::Switched,
+            Method::SphBvf => Pressure::Weighted,
+            Method::Sdpd | Method::Sph => Pressure::Squares,
+        },
+        viscosity: Viscosity { form },
+        transport_stress: moved.then_some(TransportStress),
+        shift: moved.then_some(Shift::new(shift, setup.cutoff, setup.reference_speed)),
+        noise: setup.noise.as_ref().map(|noise| ThermalNoise::new(noise, form)),
     }
 }

@@ -6,15 +6,19 @@
 use rayon::prelude::*;
 
 use crate::error::RunError;
+use crate::fluid::blocks::{Block, build_blocks};
 use crate::fluid::flow::Flow;
-use crate::fluid::neighbours::{BLOCK, Grid, build_blocks};
-use crate::fluid::pass::{sweep_densities, sweep_forces};
+use crate::fluid::order::along_a_curve;
+use crate::fluid::pass::{sweep_densities, sweep_forces, sweep_reactions};
 use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
+use crate::fluid::terms::Moment;
 use crate::fluid::wall::{Obstacles, carry, mirror};
 
 /// Relative change of density at which a run is given up.
 const DENSITY_LIMIT: f64 = 0.2;
+/// Rebuilds of the lists between two sortings of the particles: between two rebuilds they move by half a skin.
+const SORTING: u64 = 8;
 
 impl<const D: usize> Flow<D> {
     /// Takes `steps` steps of `dt` (s). The result does not depend on the number of threads.
@@ -45,21 +49,55 @@ impl<const D: usize> Flow<D> {
 
     /// Kick, drift, density, walls, forces, bounce, kick.
     fn step(&mut self, dt: f64) -> Result<(), RunError> {
+        if self.terms.noise.is_some() && dt != self.noise_step {
+            self.redraw(dt);
+        }
         self.kick_and_drift(dt);
         self.time += dt;
         self.steps += 1;
         self.carry_solids();
         if self.travel > 0.5 * self.setup.skin {
+            if self.tally.rebuilds.is_multiple_of(SORTING) {
+                self.sort();
+            }
             self.rebuild();
         }
         self.densities();
         self.update_densities(dt)?;
+        if self.setup.shepard.is_some_and(|every| every > 0 && self.steps.is_multiple_of(every)) {
+            self.filter_densities();
+        }
         self.mirrors();
         self.forces(dt);
         self.finish(dt);
         self.tally.particle_steps += self.sides.len() as u64;
-        self.tally.pair_evaluations += self.blocks.iter().map(|b| b.contacts.len() as u64).sum::<u64>();
+        self.tally.pair_evaluations += self.blocks.iter().map(Block::pairs).sum::<u64>();
         Ok(())
+    }
+
+    /// Sums the accelerations anew with the noise of a step of `dt` (s): that of a shorter step is too strong for a
+    /// longer one.
+    fn redraw(&mut self, dt: f64) {
+        self.begin_noise(dt);
+        let (terms, kernel, sides, gravity) = (&self.terms, &self.kernel, &self.sides, self.setup.gravity);
+        self.blocks
+            .par_iter()
+            .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.own.par_chunks_mut(Block::<D>::SIZE))
+            .for_each(|((block, rates), own)| {
+                sweep_forces(block, rates, terms, kernel, sides);
+                for ((rates, own), side) in rates.iter().zip(own).zip(&sides[block.first..]) {
+                    own.acceleration = rates.force / side.density + gravity + own.lift;
+                }
+            });
+    }
+
+    /// Makes the noise ready for the present step.
+    fn begin_noise(&mut self, dt: f64) {
+        if let Some(noise) = &mut self.terms.noise {
+            noise.begin(self.steps, dt, self.terms.viscosity.a::<D>());
+            self.noise_step = dt;
+        }
     }
 
     /// v += dt/2 a, sponges, x += dt (v + w), for the fluid.
@@ -67,9 +105,9 @@ impl<const D: usize> Flow<D> {
         let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
         let (fastest, transport) = self
             .positions
-            .par_chunks_mut(BLOCK)
-            .zip(self.sides.par_chunks_mut(BLOCK))
-            .zip(self.own.par_chunks(BLOCK))
+            .par_chunks_mut(Block::<D>::SIZE)
+            .zip(self.sides.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.own.par_chunks(Block::<D>::SIZE))
             .map(|((positions, sides), own)| {
                 let (mut fastest, mut transport) = (0.0_f64, 0.0_f64);
                 for ((position, side), own) in positions.iter_mut().zip(sides).zip(own) {
@@ -92,32 +130,53 @@ impl<const D: usize> Flow<D> {
 
     /// Solids to their place and velocity of now.
     pub(super) fn carry_solids(&mut self) {
-        let mut furthest = 0.0_f64;
-        for i in 0..self.sides.len() {
-            if self.sides[i].is_solid() {
-                let before = self.positions[i];
-                let body = &self.bodies[self.sides[i].body as usize];
-                carry(body, &self.own[i], &mut self.positions[i], &mut self.sides[i], self.time);
-                // A turn round a periodic axis since the last sorting is no movement.
-                furthest = furthest.max(self.domain.separation(&self.positions[i], &before).norm_squared());
-            }
+        if self.tally.rebuilds > 0 && self.solids.is_empty() {
+            return;
         }
+        let (bodies, domain, time) = (&self.bodies, &self.domain, self.time);
+        let size = Block::<D>::SIZE;
+        let furthest = self
+            .positions
+            .par_chunks_mut(size)
+            .zip(self.sides.par_chunks_mut(size))
+            .zip(self.own.par_chunks(size))
+            .map(|((positions, sides), own)| {
+                let mut furthest = 0.0_f64;
+                for ((position, side), own) in positions.iter_mut().zip(sides).zip(own) {
+                    if side.is_solid() {
+                        let before = *position;
+                        carry(&bodies[side.body as usize], own, position, side, time);
+                        // Back into the box: the sweeps turn round a periodic axis once only.
+                        *position = domain.wrap(position);
+                        furthest = furthest.max(domain.separation(position, &before).norm_squared());
+                    }
+                }
+                furthest
+            })
+            .reduce(|| 0.0, f64::max);
         self.travel += furthest.sqrt();
     }
 
-    /// Sorts the particles by cells and builds their lists anew.
+    /// Sorts the particles along a curve that keeps neighbours together; the lists must be built anew.
+    pub(super) fn sort(&mut self) {
+        for position in &mut self.positions {
+            *position = self.domain.wrap(position);
+        }
+        let order = along_a_curve(&self.positions, &self.domain, self.kernel.cutoff());
+        self.positions = order.iter().map(|&i| self.positions[i as usize]).collect();
+        self.sides = order.iter().map(|&i| self.sides[i as usize]).collect();
+        self.own = order.iter().map(|&i| self.own[i as usize]).collect();
+        self.solids = (0..self.sides.len() as u32).filter(|&i| self.sides[i as usize].is_solid()).collect();
+    }
+
+    /// Builds the lists anew.
     pub(super) fn rebuild(&mut self) {
         for position in &mut self.positions {
             *position = self.domain.wrap(position);
         }
         let radius = self.kernel.cutoff() + self.setup.skin;
-        let grid = Grid::build(&self.positions, &self.domain, radius);
-        let order = grid.order();
-        self.positions = order.iter().map(|&i| self.positions[i as usize]).collect();
-        self.sides = order.iter().map(|&i| self.sides[i as usize]).collect();
-        self.own = order.iter().map(|&i| self.own[i as usize]).collect();
-        self.solids = (0..self.sides.len() as u32).filter(|&i| self.sides[i as usize].is_solid()).collect();
-        build_blocks(&mut self.blocks, &self.positions, &self.sides, &self.domain, radius);
+        let mutual = self.terms.are_mutual();
+        build_blocks(&mut self.blocks, &self.positions, &self.sides, &self.domain, radius, mutual);
         self.travel = 0.0;
         self.tally.rebuilds += 1;
     }
@@ -125,50 +184,74 @@ impl<const D: usize> Flow<D> {
     pub(super) fn densities(&mut self) {
         let (terms, kernel, shortest) = (&self.terms, &self.kernel, &self.shortest);
         let (positions, sides) = (&self.positions, &self.sides);
-        self.blocks.par_iter_mut().zip(self.rates.par_chunks_mut(BLOCK)).for_each(|(block, rates)| {
-            sweep_densities(block, rates, terms, kernel, shortest, positions, sides);
-        });
+        self.blocks.par_iter_mut().zip(self.rates.par_chunks_mut(Block::<D>::SIZE)).for_each(
+            |(block, rates)| {
+                sweep_densities(block, rates, terms, kernel, shortest, positions, sides);
+            },
+        );
     }
 
-    /// rho += dt drho/dt, p = c0² (rho - rho0), V = m/rho; and every so often takes the mean drift of the
+    /// What the sweep of densities leaves for that of forces besides densities: the second moments of the fluid and
+    /// the reach of solids.
+    pub(super) fn moments(&mut self) {
+        let some = self.terms.moment.is_some();
+        for (side, rates) in self.sides.iter_mut().zip(&self.rates) {
+            if side.is_solid() {
+                side.reach = rates.density;
+            } else if some {
+                side.moment = Moment.correction(&rates.moment);
+            }
+        }
+    }
+
+    /// rho += dt drho/dt, p of the equation of state, V = m/rho; and every so often takes the mean drift of the
     /// density out, without which a closed flow creeps to a wrong pressure level.
     fn update_densities(&mut self, dt: f64) -> Result<(), RunError> {
-        let stiffness = self.sound_speed * self.sound_speed;
-        let every = self.setup.drift_correction;
-        let mut drift = 0.0;
-        if every > 0 && self.steps.is_multiple_of(every) {
-            let (mut mass, mut sum) = (0.0, 0.0);
-            for (side, own) in self.sides.iter().zip(&self.own).filter(|(side, _)| !side.is_solid()) {
-                mass += own.mass;
-                sum += own.mass * (side.density / own.rest_density - 1.0);
-            }
-            drift = if mass > 0.0 { sum / mass } else { 0.0 };
-        }
-        let (mut worst, mut fault) = (0.0_f64, None::<(usize, Option<usize>)>);
-        for (i, ((side, own), rates)) in self.sides.iter_mut().zip(&mut self.own).zip(&self.rates).enumerate()
-        {
-            own.fraction = rates.fraction;
-            if side.is_solid() {
-                continue;
-            }
-            side.density += dt * rates.density - drift * own.rest_density;
-            side.pressure = stiffness * (side.density - own.rest_density);
-            side.volume = own.mass / side.density;
-            let change = (side.density / own.rest_density - 1.0).abs();
-            // Written so that "not a number" is a fault too.
-            if change <= DENSITY_LIMIT {
-                worst = worst.max(change);
-            } else {
-                fault.get_or_insert((i, None));
-            }
-            let place = &self.positions[i];
-            for k in (0..D).filter(|&k| !self.domain.periodic[k]) {
-                let out = (self.domain.min[k] - place[k]).max(place[k] - self.domain.max[k]);
-                if out > self.kernel.cutoff() {
-                    fault.get_or_insert((i, Some(k)));
+        let (state, c) = (self.setup.state, self.sound_speed);
+        let drift = self.density_drift();
+        let corrected = self.terms.moment.is_some();
+        let (domain, cutoff) = (&self.domain, self.kernel.cutoff());
+        let size = Block::<D>::SIZE;
+        let (worst, fault) = self
+            .sides
+            .par_chunks_mut(size)
+            .zip(self.own.par_chunks_mut(size))
+            .zip(self.rates.par_chunks(size))
+            .zip(self.positions.par_chunks(size))
+            .enumerate()
+            .map(|(chunk, (((sides, own), rates), positions))| {
+                let (mut worst, mut fault) = (0.0_f64, None::<(usize, Option<usize>)>);
+                let all = sides.iter_mut().zip(own).zip(rates).zip(positions).enumerate();
+                for (row, (((side, own), rates), place)) in all {
+                    own.fraction = rates.fraction;
+                    if side.is_solid() {
+                        side.reach = rates.density;
+                        continue;
+                    }
+                    side.density += dt * rates.density - drift * own.rest_density;
+                    side.pressure = state.pressure(side.density, own.rest_density, c);
+                    side.volume = own.mass / side.density;
+                    if corrected {
+                        side.moment = Moment.correction(&rates.moment);
+                    }
+                    let change = (side.density / own.rest_density - 1.0).abs();
+                    // Written so that "not a number" is a fault too.
+                    if change <= DENSITY_LIMIT {
+                        worst = worst.max(change);
+                    } else {
+                        fault.get_or_insert((chunk * size + row, None));
+                    }
+                    for k in (0..D).filter(|&k| !domain.periodic[k]) {
+                        let out = (domain.min[k] - place[k]).max(place[k] - domain.max[k]);
+                        if out > cutoff {
+                            fault.get_or_insert((chunk * size + row, Some(k)));
+                        }
+                    }
                 }
-            }
-        }
+                (worst, fault)
+            })
+            // The first fault in the order of the particles.
+            .reduce(|| (0.0, None), |a, b| (a.0.max(b.0), a.1.or(b.1)));
         self.tally.largest_density_change = self.tally.largest_density_change.max(worst);
         match fault {
             None => Ok(()),
@@ -180,31 +263,53 @@ impl<const D: usize> Flow<D> {
         }
     }
 
+    /// Mean of rho/rho0 - 1 over the mass of the fluid, on the steps that take it out; else zero.
+    fn density_drift(&self) -> f64 {
+        let every = self.setup.drift_correction;
+        if every == 0 || !self.steps.is_multiple_of(every) {
+            return 0.0;
+        }
+        let (mut mass, mut sum) = (0.0, 0.0);
+        for (side, own) in self.sides.iter().zip(&self.own).filter(|(side, _)| !side.is_solid()) {
+            mass += own.mass;
+            sum += own.mass * (side.density / own.rest_density - 1.0);
+        }
+        if mass > 0.0 { sum / mass } else { 0.0 }
+    }
+
     /// What solids show to the fluid from here to the end of the step.
     pub(super) fn mirrors(&mut self) {
         let (bodies, sides, positions, time) = (&self.bodies, &self.sides, &self.positions, self.time);
         let (own, gravity) = (&self.own, &self.setup.gravity);
-        self.blocks.par_iter().zip(self.mirrors.par_chunks_mut(BLOCK)).for_each(|(block, mirrors)| {
-            for (row, out) in mirrors.iter_mut().enumerate() {
-                let i = block.first + row;
-                if let BodyKind::Solid { motion, .. } = &bodies[sides[i].body as usize].kind {
-                    let pull = motion.acceleration(&positions[i], time);
-                    *out = mirror(block, row, (sides, own), sides[i].velocity, pull, gravity);
+        if self.solids.is_empty() {
+            return;
+        }
+        self.blocks.par_iter().zip(self.mirrors.par_chunks_mut(Block::<D>::SIZE)).for_each(
+            |(block, mirrors)| {
+                for (row, out) in mirrors.iter_mut().enumerate() {
+                    let i = block.first + row;
+                    if let BodyKind::Solid { motion, .. } = &bodies[sides[i].body as usize].kind {
+                        let pull = motion.acceleration(&positions[i], time);
+                        *out = mirror(block, row, (sides, own), sides[i].velocity, pull, gravity);
+                    }
                 }
-            }
-        });
-        let softness = 1.0 / (self.sound_speed * self.sound_speed);
+            },
+        );
+        let (state, c) = (self.setup.state, self.sound_speed);
         for &i in &self.solids {
             let (side, shown) = (&mut self.sides[i as usize], &self.mirrors[i as usize]);
             side.velocity = shown.velocity;
             side.pressure = shown.pressure;
-            side.density = self.own[i as usize].rest_density + shown.pressure * softness;
+            side.density = state.density(shown.pressure, self.own[i as usize].rest_density, c);
         }
     }
 
     /// Forces and crowding, and the corrections of positions at walls.
     pub(super) fn forces(&mut self, dt: f64) {
-        let (terms, sides, positions) = (&self.terms, &self.sides, &self.positions);
+        self.begin_noise(dt);
+        let (terms, kernel) = (&self.terms, &self.kernel);
+        let (sides, positions, asks) = (&self.sides, &self.positions, &self.asks);
+        let asked = asks.iter().any(|&asks| asks);
         let obstacles = Obstacles {
             bodies: &self.bodies,
             domain: &self.domain,
@@ -216,9 +321,12 @@ impl<const D: usize> Flow<D> {
         let (bounces, penetrations, furthest) = self
             .blocks
             .par_iter()
-            .zip(self.rates.par_chunks_mut(BLOCK))
+            .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
             .map(|(block, rates)| {
-                sweep_forces(block, rates, terms, sides);
+                sweep_forces(block, rates, terms, kernel, sides);
+                if asked {
+                    sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
+                }
                 let (mut bounces, mut inside, mut furthest) = (0, 0, 0.0_f64);
                 for (row, rates) in rates.iter_mut().enumerate() {
                     if !sides[block.first + row].is_solid() {
@@ -243,10 +351,10 @@ impl<const D: usize> Flow<D> {
         let shift = self.terms.shift.as_ref();
         let gravity = self.setup.gravity;
         self.positions
-            .par_chunks_mut(BLOCK)
-            .zip(self.sides.par_chunks_mut(BLOCK))
-            .zip(self.own.par_chunks_mut(BLOCK))
-            .zip(self.rates.par_chunks(BLOCK))
+            .par_chunks_mut(Block::<D>::SIZE)
+            .zip(self.sides.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.own.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.rates.par_chunks(Block::<D>::SIZE))
             .for_each(|(((positions, sides), own), rates)| {
                 for (((position, side), own), rates) in positions.iter_mut().zip(sides).zip(own).zip(rates) {
                     if side.is_solid() {

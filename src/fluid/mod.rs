@@ -4,8 +4,10 @@
 //! | file | idea |
 //! |---|---|
 //! | [`kernel`], [`domain`], [`neighbours`] | W and its gradient; the box; who is near whom |
+//! | [`order`], [`blocks`] | particles in the order of a space-filling curve; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
 //! | [`particles`], [`pass`], [`terms`] | state; the sweeps over pairs; one equation each |
+//! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
 //! | [`observe`] | snapshots and health of a flow |
@@ -13,8 +15,10 @@
 //!
 //! Sources: Jacob et al. 2021 (SPH-BVF); Adami, Hu & Adams 2012, 2013; Antuono et al. 2010. All SI.
 
+pub mod blocks;
 pub mod domain;
 pub mod exchange;
+mod filter;
 pub mod flow;
 pub mod integrate;
 pub mod interpolate;
@@ -22,12 +26,17 @@ pub mod kernel;
 pub mod limit;
 pub mod motion;
 pub mod neighbours;
+pub mod noise;
 pub mod observe;
+pub mod order;
 pub mod particles;
 pub mod pass;
+pub mod reaction;
 pub mod setup;
 mod sponge;
+mod state;
 pub mod surface;
+pub mod symmetric;
 pub mod terms;
 pub mod wall;
 pub mod weights;

@@ -1,10 +1,6 @@
-//! Who is near whom: a grid of cells, and neighbour lists with a skin that serve many steps.
+//! Who is near whom: a grid of cells.
 
-use rayon::prelude::*;
-
-use crate::fluid::domain::Domain;
-use crate::fluid::particles::Side;
-use crate::fluid::pass::Contact;
+use crate::fluid::domain::{Domain, Shortest};
 use crate::vector::Vector;
 
 /// Points sorted into cells at least one cut-off wide.
@@ -13,6 +9,7 @@ use crate::vector::Vector;
 #[derive(Clone, Debug)]
 pub struct Grid<const D: usize> {
     domain: Domain<D>,
+    shortest: Shortest<D>,
     cutoff: f64,
     origin: Vector<D>,
     inverse_width: Vector<D>,
@@ -47,6 +44,7 @@ impl<const D: usize> Grid<D> {
         }
         let mut grid = Grid {
             domain: domain.clone(),
+            shortest: domain.shortest(),
             cutoff,
             origin: min,
             inverse_width,
@@ -69,12 +67,6 @@ impl<const D: usize> Grid<D> {
         grid
     }
 
-    /// The points in the order of their cells.
-    #[must_use]
-    pub fn order(&self) -> &[u32] {
-        &self.order
-    }
-
     /// Calls `see(j, point - x_j, r²)` for every point nearer than the cut-off, `point` itself included if it
     /// is one of them. `positions` are those the grid was built from.
     #[inline]
@@ -84,9 +76,43 @@ impl<const D: usize> Grid<D> {
         positions: &[Vector<D>],
         mut see: impl FnMut(usize, Vector<D>, f64),
     ) {
-        let centre = self.cell(&self.domain.wrap(point));
         let limit = self.cutoff * self.cutoff;
-        // All cells of the block of three along each axis, as one number in base three.
+        self.for_each_cell(self.cell(&self.domain.wrap(point)), |points| {
+            for &j in points {
+                let x = self.domain.separation(point, &positions[j as usize]);
+                let r2 = x.norm_squared();
+                if r2 < limit {
+                    see(j as usize, x, r2);
+                }
+            }
+        });
+    }
+
+    /// Calls `see(j, turned)` for every point nearer than the cut-off to `point`, a point inside the box as all of
+    /// them must be; `turned` if the way to it leads round a periodic axis.
+    #[inline]
+    pub fn for_each_candidate(
+        &self,
+        point: &Vector<D>,
+        positions: &[Vector<D>],
+        mut see: impl FnMut(usize, bool),
+    ) {
+        let limit = self.cutoff * self.cutoff;
+        self.for_each_cell(self.cell(point), |points| {
+            for &j in points {
+                let there = &positions[j as usize];
+                let x = self.shortest.separation(point, there);
+                if x.norm_squared() < limit {
+                    see(j as usize, x != point - there);
+                }
+            }
+        });
+    }
+
+    /// Calls `see` with the points of each cell of the block of three along each axis around `centre`.
+    #[inline(always)]
+    fn for_each_cell(&self, centre: [usize; D], mut see: impl FnMut(&[u32])) {
+        // All cells of the block as one number in base three.
         'cells: for code in 0..3_usize.pow(D as u32) {
             let mut cell = [0; D];
             let mut digits = code;
@@ -99,7 +125,15 @@ impl<const D: usize> Grid<D> {
                     if shift >= n {
                         continue 'cells;
                     }
-                    (moved + n - 1) % n
+                    // The remainder without a division: moved is below n + 2.
+                    let before = moved + n - 1;
+                    if before >= 2 * n {
+                        before - 2 * n
+                    } else if before >= n {
+                        before - n
+                    } else {
+                        before
+                    }
                 } else if (1..=n).contains(&moved) {
                     moved - 1
                 } else {
@@ -107,13 +141,7 @@ impl<const D: usize> Grid<D> {
                 };
             }
             let index = self.index(cell);
-            for &j in &self.order[self.starts[index] as usize..self.starts[index + 1] as usize] {
-                let x = self.domain.separation(point, &positions[j as usize]);
-                let r2 = x.norm_squared();
-                if r2 < limit {
-                    see(j as usize, x, r2);
-                }
-            }
+            see(&self.order[self.starts[index] as usize..self.starts[index + 1] as usize]);
         }
     }
 
@@ -128,81 +156,6 @@ impl<const D: usize> Grid<D> {
     fn index(&self, cell: [usize; D]) -> usize {
         (0..D).rev().fold(0, |index, k| index * self.cells[k] + cell[k])
     }
-}
-
-/// Particles per block: enough work for a thread to be worth waking.
-pub const BLOCK: usize = 256;
-
-/// A run of neighbouring particles with its neighbour lists and its share of the pairs of this step.
-#[derive(Clone, Debug, Default)]
-pub struct Block<const D: usize> {
-    /// First particle of the block.
-    pub first: usize,
-    ends: Vec<u32>,
-    list: Vec<u32>,
-    /// Whether a fluid particle has any solid in its list.
-    pub near_solid: Vec<bool>,
-    /// Pairs within the cut-off, row after row; written by the density sweep.
-    pub contacts: Vec<Contact<D>>,
-    /// End of each row of `contacts`.
-    pub contact_ends: Vec<u32>,
-}
-
-impl<const D: usize> Block<D> {
-    /// Candidates of row `row` of the block.
-    #[inline]
-    #[must_use]
-    pub fn candidates(&self, row: usize) -> &[u32] {
-        let start = if row == 0 { 0 } else { self.ends[row - 1] };
-        &self.list[start as usize..self.ends[row] as usize]
-    }
-
-    /// Contacts of row `row` of the block.
-    #[inline]
-    #[must_use]
-    pub fn row(&self, row: usize) -> &[Contact<D>] {
-        let start = if row == 0 { 0 } else { self.contact_ends[row - 1] };
-        &self.contacts[start as usize..self.contact_ends[row] as usize]
-    }
-
-    /// Fills the lists: a fluid particle sees everyone, a solid one only fluid.
-    fn fill(&mut self, grid: &Grid<D>, positions: &[Vector<D>], sides: &[Side<D>]) {
-        self.ends.clear();
-        self.list.clear();
-        self.near_solid.clear();
-        for i in self.first..(self.first + BLOCK).min(positions.len()) {
-            let solid = sides[i].is_solid();
-            let mut near = false;
-            grid.for_each_near(&positions[i], positions, |j, _, _| {
-                let other = sides[j].is_solid();
-                if j != i && !(solid && other) {
-                    near |= other;
-                    self.list.push(j as u32);
-                }
-            });
-            self.ends.push(self.list.len() as u32);
-            self.near_solid.push(near && !solid);
-        }
-    }
-}
-
-/// Neighbour lists of all particles, in blocks of [`BLOCK`].
-///
-/// # Panics
-/// Never; `cutoff` includes the skin and `positions` and `sides` are of one length.
-pub fn build_blocks<const D: usize>(
-    blocks: &mut Vec<Block<D>>,
-    positions: &[Vector<D>],
-    sides: &[Side<D>],
-    domain: &Domain<D>,
-    cutoff: f64,
-) {
-    let grid = Grid::build(positions, domain, cutoff);
-    blocks.resize_with(positions.len().div_ceil(BLOCK), Block::default);
-    blocks.par_iter_mut().enumerate().for_each(|(k, block)| {
-        block.first = k * BLOCK;
-        block.fill(&grid, positions, sides);
-    });
 }
 
 #[cfg(test)]

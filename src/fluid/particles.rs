@@ -1,5 +1,6 @@
 //! The state of a flow: what a pair needs of each side, and what only the particle itself needs.
 
+use crate::fluid::symmetric::Symmetric;
 use crate::vector::Vector;
 
 /// What a particle is to its neighbours.
@@ -15,6 +16,7 @@ pub enum Material {
 
 /// One side of a pair: packed, since a sweep reads all of it at a random place.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Side<const D: usize> {
     /// Momentum velocity v, m/s. Of a solid: its own velocity in the density sweep, the mirrored velocity of
     /// [`crate::fluid::wall::mirror`] in the force sweep.
@@ -23,15 +25,21 @@ pub struct Side<const D: usize> {
     pub drift: Vector<D>,
     /// kg/m³.
     pub density: f64,
-    /// Pa.
-    pub pressure: f64,
     /// m^D.
     pub volume: f64,
-    /// Dynamic viscosity, Pa s; of a solid without meaning.
-    pub viscosity: f64,
+    /// Index in [`Setup::particles`](crate::fluid::Setup).
+    pub id: u32,
     pub material: Material,
     /// Index of the body.
     pub body: u8,
+    /// Pa.
+    pub pressure: f64,
+    /// Dynamic viscosity, Pa s; of a solid without meaning.
+    pub viscosity: f64,
+    /// What friction makes of the second moment of the neighbours, [`crate::fluid::terms::Moment`].
+    pub moment: Symmetric<D>,
+    /// Of a solid Σ V W over the fluid before it, dimensionless; of a fluid without meaning.
+    pub reach: f64,
 }
 
 impl<const D: usize> Side<D> {

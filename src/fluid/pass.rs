@@ -1,13 +1,19 @@
-//! The sweeps over pairs: densities first, forces after, each particle summing its own row in a fixed order.
+//! The sweeps over pairs: densities first, forces after.
 //!
 //! Two sweeps a step because the pressure needs the new density (taken from the half step it feeds sound
-//! waves). The first keeps the pairs it found for the second.
+//! waves). The first keeps the pairs it found for the second. A pair of one block is evaluated once and given to
+//! both sides; one that crosses blocks is evaluated by both, each for itself, so that no thread writes where
+//! another does and the order of every sum is that of the lists.
 
+use crate::fluid::blocks::{Block, Contact};
 use crate::fluid::domain::Shortest;
 use crate::fluid::kernel::Kernel;
-use crate::fluid::neighbours::Block;
+use crate::fluid::noise::ThermalNoise;
 use crate::fluid::particles::Side;
-use crate::fluid::terms::{Continuity, DensityDiffusion, Pressure, Shift, TransportStress, Viscosity};
+use crate::fluid::symmetric::Symmetric;
+use crate::fluid::terms::{
+    Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity, viscosity,
+};
 use crate::vector::Vector;
 
 /// The geometry of a pair: x = x_i - x_j (m) and F (m^-(D+2)); the gradient of W is -F x.
@@ -19,29 +25,30 @@ pub struct Pair<const D: usize> {
     pub f_shift: f64,
 }
 
-/// A pair within the cut-off as the density sweep leaves it for what follows.
+/// A pair for the rates of density.
 #[derive(Clone, Copy, Debug)]
-pub struct Contact<const D: usize> {
+pub struct Approach<const D: usize> {
     /// x_i - x_j, m.
     pub x: Vector<D>,
-    /// F in the row of a fluid particle, W in that of a solid one.
-    pub weight: f64,
-    /// F of the shift's own kernel, in the row of a fluid particle.
-    pub f_shift: f64,
-    pub j: u32,
+    /// m^-(D+2).
+    pub f: f64,
+    /// (v_i - v_j)·x, the same from both sides; m²/s.
+    pub opening: f64,
 }
 
 /// What the sweeps find for one particle.
 #[derive(Clone, Copy, Debug)]
 pub struct Rates<const D: usize> {
-    /// kg/m³/s.
+    /// kg/m³/s; of a solid Σ V W over the fluid before it.
     pub density: f64,
-    /// Volume fraction of solid, itself included among the fluid.
-    pub fraction: f64,
+    /// Σ V_j F x⊗x.
+    pub moment: Symmetric<D>,
     /// Force per volume, N/m³.
     pub force: Vector<D>,
     /// Σ 2 V_j F x_ij, 1/m.
     pub crowding: Vector<D>,
+    /// Volume fraction of solid, itself included among the fluid.
+    pub fraction: f64,
     /// Where a wall sends the particle, less where it is, m.
     pub correction: Vector<D>,
 }
@@ -49,48 +56,95 @@ pub struct Rates<const D: usize> {
 impl<const D: usize> Default for Rates<D> {
     fn default() -> Rates<D> {
         let none = Vector::zeros();
-        Rates { density: 0.0, fraction: 0.0, force: none, crowding: none, correction: none }
+        let moment = Symmetric::identity(0.0);
+        Rates { density: 0.0, moment, force: none, crowding: none, fraction: 0.0, correction: none }
     }
 }
 
-/// The physics of a flow. Optional physics is an `Option`: pair noise of a fluctuating fluid, for one, is a
-/// field `thermal_noise: Option<ThermalNoise>` here and one line in [`Terms::forces`].
+/// The physics of a flow. Optional physics is an `Option`.
 pub struct Terms<const D: usize> {
     pub continuity: Continuity,
     pub density_diffusion: Option<DensityDiffusion>,
+    pub moment: Option<Moment>,
     pub pressure: Pressure,
     pub viscosity: Viscosity,
     pub transport_stress: Option<TransportStress>,
     pub shift: Option<Shift<D>>,
+    pub noise: Option<ThermalNoise<D>>,
 }
 
 impl<const D: usize> Terms<D> {
-    /// The density rate of i from j, kg/m³/s.
+    /// Whether j feels the opposite of what i feels, so that a pair need be evaluated only once.
+    #[must_use]
+    pub fn are_mutual(&self) -> bool {
+        self.pressure != Pressure::Switched
+    }
+
+    /// What the density of i gains from j, per volume of j; kg/m³/s times m^-D.
     #[inline(always)]
-    pub fn density(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut f64) {
-        self.continuity.pair(p, i, j, out);
+    fn density(&self, a: &Approach<D>, i: &Side<D>, j: &Side<D>) -> f64 {
+        let mut out = 0.0;
+        self.continuity.pair(a, i, j, &mut out);
         if let Some(diffusion) = &self.density_diffusion {
-            diffusion.pair(p, i, j, out);
+            diffusion.pair(a, i, j, &mut out);
+        }
+        out
+    }
+
+    /// eta_ij F c_ij: the strength of friction between i and j, with a solid if `SOLID`. The solid takes the factor c of the fluid.
+    #[inline(always)]
+    pub fn rub<const SOLID: bool>(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>) -> f64 {
+        let rub = viscosity::between(i, j) * p.f;
+        match &self.moment {
+            Some(moment) => rub * moment.pair(&p.x, &i.moment, if SOLID { &i.moment } else { &j.moment }),
+            None => rub,
         }
     }
 
-    /// The force per volume on i from j, N/m³, and its crowding.
+    /// The force between fluid i and j, N/m³ times m^-D: V_j of it is the force per volume of i.
     #[inline(always)]
-    pub fn forces(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Rates<D>) {
-        self.pressure.pair(p, i, j, out);
-        self.viscosity.pair(p, i, j, out);
+    fn force(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>) -> Vector<D> {
+        let mut out = Vector::zeros();
+        self.pressure.pair(p, i, j, &mut out);
+        let rub = self.rub::<false>(p, i, j);
+        self.viscosity.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
         if let Some(stress) = &self.transport_stress {
-            stress.pair(p, i, j, out);
+            stress.pair(p, i, j, &mut out);
         }
-        if let Some(shift) = &self.shift {
-            shift.pair(p, j, out);
+        if let Some(noise) = &self.noise {
+            noise.pair(rub, p, i, j, &mut out);
         }
+        out
+    }
+
+    /// The force between fluid i and solid j, N/m³ times m^-D; `share` is the part of i in what j mirrors.
+    #[inline(always)]
+    pub fn force_of_solid(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, share: f64) -> Vector<D> {
+        let mut out = Vector::zeros();
+        self.pressure.pair(p, i, j, &mut out);
+        let rub = self.rub::<true>(p, i, j);
+        self.viscosity.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
+        if let Some(noise) = &self.noise {
+            noise.solid(rub, share, p, i, j, &mut out);
+        }
+        out
+    }
+
+    /// The weights of a pair at distance `r` (m).
+    #[inline(always)]
+    fn weights(&self, kernel: &Kernel<D>, r: f64) -> (f64, f64) {
+        (kernel.f(r), self.shift.as_ref().map_or(0.0, |shift| shift.f(r)))
     }
 }
 
-/// First sweep over a block: finds the contacts, sums density rates and volume fractions of solid,
-/// phi_i = Σ_solid V_j W / Σ_all V_j W, i itself included; SPH-BVF Eq. (45). Leaving i out would put every
-/// particle of an inner corner inside the wall.
+/// The part V_i W/Σ V W of fluid i in what solid j mirrors.
+#[inline]
+#[must_use]
+pub fn share<const D: usize>(kernel: &Kernel<D>, x: &Vector<D>, i: &Side<D>, j: &Side<D>) -> f64 {
+    if j.reach > 0.0 { i.volume * kernel.value(x.norm()) / j.reach } else { 0.0 }
+}
+
+/// First sweep over a block: finds the contacts, sums density rates, second moments and volume fractions of solid.
 pub fn sweep_densities<const D: usize>(
     block: &mut Block<D>,
     rates: &mut [Rates<D>],
@@ -100,59 +154,81 @@ pub fn sweep_densities<const D: usize>(
     positions: &[Vector<D>],
     sides: &[Side<D>],
 ) {
-    let limit = kernel.cutoff() * kernel.cutoff();
-    // Taken out so that the candidates can be read while contacts are written.
-    let mut contacts = std::mem::take(&mut block.contacts);
-    let mut ends = std::mem::take(&mut block.contact_ends);
-    contacts.clear();
-    ends.clear();
-    for (row, rates) in rates.iter_mut().enumerate() {
-        let i = block.first + row;
-        let (here, side) = (positions[i], sides[i]);
-        let start = contacts.len();
-        for &j in block.candidates(row) {
-            let x = shortest.separation(&here, &positions[j as usize]);
-            let r2 = x.norm_squared();
-            if r2 < limit {
-                contacts.push(Contact { x, weight: r2, f_shift: 0.0, j });
-            }
-        }
-        let mine = &mut contacts[start..];
-        rates.density = 0.0;
-        rates.fraction = 0.0;
-        if side.is_solid() {
-            for c in mine.iter_mut() {
-                c.weight = kernel.value(c.weight.sqrt());
-            }
-            rates.fraction = 1.0;
-        } else {
-            if block.near_solid[row] {
-                let mut all = side.volume * kernel.value(0.0);
-                let mut solid = 0.0;
-                for c in mine.iter() {
-                    let other = &sides[c.j as usize];
-                    let share = other.volume * kernel.value(c.weight.sqrt());
-                    all += share;
-                    if other.is_solid() {
-                        solid += share;
-                    }
-                }
-                rates.fraction = solid / all;
-            }
-            for c in mine.iter_mut() {
-                let r = c.weight.sqrt();
-                c.weight = kernel.f(r);
-                if let Some(shift) = &terms.shift {
-                    c.f_shift = shift.f(r);
-                }
-                let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
-                terms.density(&pair, &side, &sides[c.j as usize], &mut rates.density);
-            }
-        }
-        ends.push(contacts.len() as u32);
+    block.find(kernel.cutoff(), shortest, positions);
+    let first = block.first;
+    for rates in rates.iter_mut() {
+        (rates.density, rates.fraction, rates.moment) = (0.0, 0.0, Symmetric::identity(0.0));
     }
-    block.contacts = contacts;
-    block.contact_ends = ends;
+    for row in 0..rates.len() {
+        let i = &sides[first + row];
+        let (mut density, mut moment) = (0.0, Symmetric::identity(0.0));
+        for c in block.inner.row_mut(row) {
+            let j = &sides[c.j as usize];
+            let approach = weigh(c, terms, kernel, i, j);
+            let back = Approach { x: -c.x, ..approach };
+            let other = &mut rates[c.j as usize - first];
+            density += j.volume * terms.density(&approach, i, j);
+            other.density += i.volume * terms.density(&back, j, i);
+            if terms.moment.is_some() {
+                moment.add_square(&c.x, j.volume * approach.f);
+                other.moment.add_square(&c.x, i.volume * approach.f);
+            }
+        }
+        for c in block.outer.row_mut(row) {
+            let j = &sides[c.j as usize];
+            let approach = weigh(c, terms, kernel, i, j);
+            density += j.volume * terms.density(&approach, i, j);
+            if terms.moment.is_some() {
+                moment.add_square(&c.x, j.volume * approach.f);
+            }
+        }
+        if i.is_solid() {
+            for c in block.walls.row_mut(row) {
+                c.weight = kernel.value(c.weight.sqrt());
+                density += sides[c.j as usize].volume * c.weight;
+            }
+            rates[row].fraction = 1.0;
+        } else if block.near_solid[row] {
+            rates[row].fraction = fraction(block, row, i, kernel, sides);
+            for c in block.walls.row_mut(row) {
+                let j = &sides[c.j as usize];
+                let approach = weigh(c, terms, kernel, i, j);
+                density += j.volume * terms.density(&approach, i, j);
+                moment.add_square(&c.x, j.volume * approach.f);
+            }
+        }
+        rates[row].density += density;
+        rates[row].moment.add(&moment);
+    }
+}
+
+/// Puts F in the place of the r² a contact was found with.
+#[inline(always)]
+fn weigh<const D: usize>(
+    c: &mut Contact<D>,
+    terms: &Terms<D>,
+    kernel: &Kernel<D>,
+    i: &Side<D>,
+    j: &Side<D>,
+) -> Approach<D> {
+    (c.weight, c.f_shift) = terms.weights(kernel, c.weight.sqrt());
+    Approach { x: c.x, f: c.weight, opening: (i.velocity - j.velocity).dot(&c.x) }
+}
+
+/// Volume fraction of solid, phi_i = Σ_solid V_j W / Σ_all V_j W, i itself included; SPH-BVF Eq. (45). Leaving i out
+/// would put every particle of an inner corner inside the wall.
+fn fraction<const D: usize>(
+    block: &Block<D>,
+    row: usize,
+    i: &Side<D>,
+    kernel: &Kernel<D>,
+    sides: &[Side<D>],
+) -> f64 {
+    let share = |c: &Contact<D>| sides[c.j as usize].volume * kernel.value(c.x.norm());
+    let solid: f64 = block.walls.row(row).iter().map(share).sum();
+    // A particle near solids has all its fluid neighbours in the outer list.
+    let fluid: f64 = block.outer.row(row).iter().map(share).sum();
+    solid / (i.volume * kernel.value(0.0) + fluid + solid)
 }
 
 /// Second sweep over a block: forces and crowding of the fluid particles, from the contacts of the first.
@@ -160,135 +236,82 @@ pub fn sweep_forces<const D: usize>(
     block: &Block<D>,
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
+    kernel: &Kernel<D>,
     sides: &[Side<D>],
 ) {
-    for (row, rates) in rates.iter_mut().enumerate() {
-        let side = sides[block.first + row];
-        let mut sum = Rates { density: rates.density, fraction: rates.fraction, ..Rates::default() };
-        if !side.is_solid() {
-            for c in block.row(row) {
-                let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
-                terms.forces(&pair, &side, &sides[c.j as usize], &mut sum);
+    let first = block.first;
+    let none = Vector::zeros();
+    for rates in rates.iter_mut() {
+        (rates.force, rates.crowding, rates.correction) = (none, none, none);
+    }
+    for row in 0..rates.len() {
+        let i = &sides[first + row];
+        if i.is_solid() {
+            continue;
+        }
+        let (mut force, mut crowding) = (none, none);
+        for c in block.inner.row(row) {
+            let j = &sides[c.j as usize];
+            let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
+            let between = terms.force(&pair, i, j);
+            let other = &mut rates[c.j as usize - first];
+            force += between * j.volume;
+            other.force -= between * i.volume;
+            if let Some(shift) = &terms.shift {
+                let mut between = none;
+                shift.pair(&pair, &mut between);
+                crowding += between * j.volume;
+                other.crowding -= between * i.volume;
             }
         }
-        *rates = sum;
+        for c in block.outer.row(row) {
+            let j = &sides[c.j as usize];
+            let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
+            force += terms.force(&pair, i, j) * j.volume;
+            if let Some(shift) = &terms.shift {
+                let mut between = none;
+                shift.pair(&pair, &mut between);
+                crowding += between * j.volume;
+            }
+        }
+        for c in block.walls.row(row) {
+            let j = &sides[c.j as usize];
+            let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
+            let share = if terms.noise.is_some() { share(kernel, &c.x, i, j) } else { 0.0 };
+            force += terms.force_of_solid(&pair, i, j, share) * j.volume;
+            if let Some(shift) = &terms.shift {
+                let mut between = none;
+                shift.pair(&pair, &mut between);
+                crowding += between * j.volume;
+            }
+        }
+        rates[row].force += force;
+        rates[row].crowding += crowding;
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::fluid::kernel::KernelKind;
-    use crate::fluid::particles::Material;
-    use rand::{Rng, SeedableRng};
-
-    type V = Vector<3>;
-
-    /// Two fluid particles of any state and the pair seen from both.
-    fn pairs() -> Vec<(Side<3>, Side<3>, Pair<3>)> {
-        let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(29);
-        let kernel = Kernel::<3>::new(KernelKind::Lucy, 1.0);
-        (0..50)
-            .map(|_| {
-                let mut any = || random.random::<f64>();
-                let mut vector = || V::from_fn(|_, _| 0.8 * any() - 0.4);
-                let (x, a, b, c, d) = (vector(), vector(), vector(), vector(), vector());
-                let mut side = |velocity, drift| Side {
-                    velocity,
-                    drift,
-                    density: 0.5 + any(),
-                    pressure: any() - 0.5,
-                    volume: 0.1 + any(),
-                    viscosity: 0.1 + any(),
-                    material: Material::Fluid,
-                    body: 0,
-                };
-                let f = kernel.f(x.norm());
-                (side(a, b), side(c, d), Pair { x, f, f_shift: f })
-            })
-            .collect()
-    }
-
-    /// Force of one term on i (times V_i) plus that on j (times V_j), relative to their size.
-    fn residue(term: impl Fn(&Pair<3>, &Side<3>, &Side<3>, &mut Rates<3>)) -> f64 {
-        let mut worst = 0.0_f64;
-        for (i, j, pair) in pairs() {
-            let back = Pair { x: -pair.x, ..pair };
-            let (mut on_i, mut on_j) = (Rates::default(), Rates::default());
-            term(&pair, &i, &j, &mut on_i);
-            term(&back, &j, &i, &mut on_j);
-            let (a, b) = (on_i.force * i.volume, on_j.force * j.volume);
-            if a.norm() > 0.0 {
-                worst = worst.max((a + b).norm() / a.norm());
-            }
+/// What the fluid does to the solids of a block that ask for it: exactly the opposite of what [`sweep_forces`] gives the
+/// fluid, pair by pair, as a force per volume of the solid particle (N/m³) into `rates`.
+pub fn sweep_reactions<const D: usize>(
+    block: &Block<D>,
+    rates: &mut [Rates<D>],
+    terms: &Terms<D>,
+    kernel: &Kernel<D>,
+    sides: &[Side<D>],
+    asks: impl Fn(u8) -> bool,
+) {
+    for (row, rates) in rates.iter_mut().enumerate() {
+        let solid = &sides[block.first + row];
+        if !solid.is_solid() || !asks(solid.body) {
+            continue;
         }
-        worst
-    }
-
-    #[test]
-    fn every_force_is_antisymmetric() {
-        // Rounding of a dozen operations.
-        assert!(residue(|p, i, j, out| Pressure.pair(p, i, j, out)) < 1e-14);
-        assert!(residue(|p, i, j, out| Viscosity.pair(p, i, j, out)) < 1e-14);
-        assert!(residue(|p, i, j, out| TransportStress.pair(p, i, j, out)) < 1e-13);
-    }
-
-    #[test]
-    fn density_diffusion_keeps_the_mass_sum_and_stays_in_its_material() {
-        let diffusion = DensityDiffusion { strength: 0.3 };
-        for (i, mut j, pair) in pairs() {
-            let back = Pair { x: -pair.x, ..pair };
-            let (mut to_i, mut to_j) = (0.0, 0.0);
-            diffusion.pair(&pair, &i, &j, &mut to_i);
-            diffusion.pair(&back, &j, &i, &mut to_j);
-            // Rounding of four products.
-            assert!((to_i * i.volume + to_j * j.volume).abs() <= 1e-15 * to_i.abs());
-            j.body = 1;
-            let before = to_i;
-            diffusion.pair(&pair, &i, &j, &mut to_i);
-            assert_eq!(to_i, before);
+        for c in block.walls.row(row) {
+            let fluid = &sides[c.j as usize];
+            // Seen from the fluid, as the fluid saw it.
+            let (f, f_shift) = terms.weights(kernel, c.x.norm_squared().sqrt());
+            let pair = Pair { x: -c.x, f, f_shift };
+            let share = if terms.noise.is_some() { share(kernel, &pair.x, fluid, solid) } else { 0.0 };
+            rates.force -= terms.force_of_solid(&pair, fluid, solid, share) * fluid.volume;
         }
-    }
-
-    #[test]
-    fn a_free_slip_solid_has_no_friction_and_a_no_slip_one_that_of_the_fluid() {
-        for (i, mut j, pair) in pairs() {
-            let (mut free, mut stuck) = (Rates::default(), Rates::default());
-            j.material = Material::FreeSlip;
-            Viscosity.pair(&pair, &i, &j, &mut free);
-            assert_eq!(free.force, V::zeros());
-            j.material = Material::NoSlip;
-            Viscosity.pair(&pair, &i, &j, &mut stuck);
-            let expected = (j.velocity - i.velocity) * (2.0 * j.volume * i.viscosity * pair.f);
-            // The same products in another order.
-            assert!((stuck.force - expected).norm() <= 1e-15 * expected.norm());
-        }
-    }
-
-    #[test]
-    fn expansion_lowers_the_density_at_the_rate_of_its_divergence() {
-        // v = x on a cubic lattice: d rho/dt = -rho div v = -3 rho, up to the lattice sum of Lucy at h = 3.
-        let kernel = Kernel::<3>::new(KernelKind::Lucy, 3.0);
-        let side = |velocity| Side {
-            velocity,
-            drift: V::zeros(),
-            density: 2.0,
-            pressure: 0.0,
-            volume: 1.0,
-            viscosity: 1.0,
-            material: Material::Fluid,
-            body: 0,
-        };
-        let centre = side(V::zeros());
-        let mut rate = 0.0;
-        for index in 0..343 {
-            let place = V::new(f64::from(index % 7), f64::from(index / 7 % 7), f64::from(index / 49))
-                - V::from_element(3.0);
-            if place != V::zeros() {
-                let f = kernel.f(place.norm());
-                Continuity.pair(&Pair { x: -place, f, f_shift: f }, &centre, &side(place), &mut rate);
-            }
-        }
-        assert!((rate / -6.0 - 1.0).abs() < 0.01, "{rate}");
     }
 }

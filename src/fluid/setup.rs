@@ -52,9 +52,12 @@ pub enum Method {
     /// Transport velocity with walls found from a volume fraction (Jacob et al. 2021).
     #[default]
     SphBvf,
-    /// Smoothed dissipative particle dynamics (Español & Revenga 2003): particles move with their momentum.
+    /// Smoothed dissipative particle dynamics (Español & Revenga 2003): particles move with their momentum, the
+    /// density is the integral of the rate of its sum Σ m W, the pressure force m_i m_j (p_i/rho_i² + p_j/rho_j²).
+    /// Without dissipation it conserves energy, which is what thermal noise wants; without density diffusion.
     Sdpd,
-    /// Weakly compressible SPH as it was before transport velocities: particles move with their momentum.
+    /// Weakly compressible SPH as it was before transport velocities (Monaghan 1994; Morris, Fox & Zhu 1997): the
+    /// equations of [`Method::Sdpd`], always with the friction of Morris.
     Sph,
 }
 
@@ -154,6 +157,8 @@ pub struct Options {
     pub pressure_switch: bool,
     /// Steps between Shepard filters of the density, if any.
     pub shepard: Option<u64>,
+    /// Friction multiplied by what restores the second moment of the neighbours, [`crate::fluid::terms::Moment`].
+    pub corrected_friction: bool,
     /// The density rate as printed; it drifts where particles crowd. For comparison.
     pub printed_density_rate: bool,
 }
@@ -170,6 +175,7 @@ impl Default for Options {
             drift_correction: 20,
             pressure_switch: false,
             shepard: None,
+            corrected_friction: true,
             printed_density_rate: false,
         }
     }
@@ -182,9 +188,12 @@ impl<const D: usize> Setup<D> {
         self.bodies.iter().any(|body| matches!(body.kind, BodyKind::Solid { .. }))
     }
 
-    /// Strength A of the shift.
+    /// Strength A of the shift; none where particles move with their momentum.
     #[must_use]
     pub fn shift(&self) -> f64 {
+        if self.method != Method::SphBvf {
+            return 0.0;
+        }
         self.options.shift.unwrap_or(if self.has_solids() { 5.0 } else { 10.0 })
     }
 

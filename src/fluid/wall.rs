@@ -1,8 +1,8 @@
 //! Walls: the velocity and pressure solids show to the fluid, and how fluid particles are kept out of them.
 
+use crate::fluid::blocks::Block;
 use crate::fluid::domain::Domain;
 use crate::fluid::motion::Motion;
-use crate::fluid::neighbours::Block;
 use crate::fluid::particles::{Own, Side};
 use crate::fluid::setup::{Body, BodyKind, Surface};
 use crate::vector::Vector;

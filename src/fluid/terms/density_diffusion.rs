@@ -1,7 +1,7 @@
 //! Diffusion of density, which keeps sound waves of the length of a spacing from growing.
 
 use crate::fluid::particles::Side;
-use crate::fluid::pass::Pair;
+use crate::fluid::pass::Approach;
 
 /// drho_i/dt = 2 delta h c Σ V_j (rho_j - rho_i) F, within one material only; after Antuono et al. 2010
 /// (their h is half of ours). kg/m³/s.
@@ -21,11 +21,11 @@ impl DensityDiffusion {
         DensityDiffusion { strength: 2.0 * delta * h * sound_speed.min(10.0 * reference_speed) }
     }
 
-    /// What the density of i gains from j, kg/m³/s. Antisymmetric once multiplied by V_i.
+    /// What the density of i gains from j, per volume of j; kg/m³/s times m^-D. Antisymmetric.
     #[inline(always)]
-    pub fn pair<const D: usize>(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, density_rate: &mut f64) {
+    pub fn pair<const D: usize>(&self, a: &Approach<D>, i: &Side<D>, j: &Side<D>, out: &mut f64) {
         if i.body == j.body {
-            *density_rate += self.strength * j.volume * p.f * (j.density - i.density);
+            *out += self.strength * a.f * (j.density - i.density);
         }
     }
 }

@@ -1,12 +1,13 @@
-//! One equation each. A term is one-sided: what i gains from j, and touches nothing but its output.
+//! One equation each. A term is what i gains from j, and touches nothing but its output.
 //!
 //! Volumes enter as 2 V_i V_j where the papers print (V_i² + V_j²), and as V_j W where they print V_j² W. For
 //! equal volumes that is the same; where a solid has a finer lattice than the fluid only the product counts
-//! every piece of volume once. Dividing 2 V_i V_j by m_i = rho_i V_i leaves 2 V_j / rho_i, so the force terms
-//! sum 2 V_j (…) and the sweep divides by rho_i.
+//! every piece of volume once. A term gives the force over V_i V_j: the sweep adds V_j of it to the force per
+//! volume of i and, the forces being antisymmetric, takes V_i of it from that of j.
 
 pub mod continuity;
 pub mod density_diffusion;
+pub mod moment;
 pub mod pressure;
 pub mod shift;
 pub mod transport_stress;
@@ -14,7 +15,11 @@ pub mod viscosity;
 
 pub use continuity::Continuity;
 pub use density_diffusion::DensityDiffusion;
+pub use moment::Moment;
 pub use pressure::Pressure;
 pub use shift::Shift;
 pub use transport_stress::TransportStress;
 pub use viscosity::Viscosity;
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,8 +1,7 @@
 //! The background pressure that keeps particles evenly spread without touching their momentum.
 
 use crate::fluid::kernel::{Kernel, KernelKind};
-use crate::fluid::particles::Side;
-use crate::fluid::pass::{Pair, Rates};
+use crate::fluid::pass::Pair;
 use crate::vector::Vector;
 
 /// Transport less momentum velocity, w_i = (dt/2) P_b (1/m_i) Σ 2 V_i V_j F x_ij, with the background pressure
@@ -33,10 +32,10 @@ impl<const D: usize> Shift<D> {
         self.kernel.f(r)
     }
 
-    /// Sum of 2 V_j F x_ij, 1/m.
+    /// 2 F x_ij, of which the crowding of i is the sum weighted with V_j; m^-(D+1).
     #[inline(always)]
-    pub fn pair(&self, p: &Pair<D>, j: &Side<D>, out: &mut Rates<D>) {
-        out.crowding += p.x * (2.0 * j.volume * p.f_shift);
+    pub fn pair(&self, p: &Pair<D>, out: &mut Vector<D>) {
+        *out += p.x * (2.0 * p.f_shift);
     }
 
     /// The velocity w of a crowding (1/m) at a density relative to rest, m/s.

@@ -1,21 +1,18 @@
 //! The momentum carried by the difference of transport and momentum velocity.
 
 use crate::fluid::particles::Side;
-use crate::fluid::pass::{Pair, Rates};
+use crate::fluid::pass::Pair;
+use crate::vector::Vector;
 
 /// Force on i: Σ 2 V_i V_j ½ (A_i + A_j)·∇W with A = rho v ⊗ (transport - momentum velocity); Adami, Hu & Adams
-/// 2013. Zero with solids.
+/// 2013. None with solids.
 pub struct TransportStress;
 
 impl TransportStress {
-    /// Force per volume of i, N/m³.
+    /// Force per volume of i and of j, N/m³ times m^-D.
     #[inline(always)]
-    pub fn pair<const D: usize>(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Rates<D>) {
-        if j.is_solid() {
-            return;
-        }
-        let scale = -j.volume * p.f;
-        out.force += i.velocity * (scale * i.density * i.drift.dot(&p.x))
-            + j.velocity * (scale * j.density * j.drift.dot(&p.x));
+    pub fn pair<const D: usize>(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Vector<D>) {
+        *out -= i.velocity * (p.f * i.density * i.drift.dot(&p.x))
+            + j.velocity * (p.f * j.density * j.drift.dot(&p.x));
     }
 }

@@ -1,20 +1,39 @@
 //! Friction between neighbours.
 
 use crate::fluid::particles::{Material, Side};
-use crate::fluid::pass::{Pair, Rates};
+use crate::fluid::setup::Friction;
+use crate::vector::Vector;
 
-/// Force on i: -Σ 2 V_i V_j eta_ij F (v_i - v_j), eta_ij the harmonic mean; Morris, Fox & Zhu 1997.
+/// Force on i: -Σ V_i V_j eta_ij F [a v_ij + b (v_ij·e) e], eta_ij the harmonic mean, e = x/|x|.
 ///
-/// SPH-BVF Eq. (18) lacks the factor 2 (a Taylor-Green vortex then decays at half its rate). A no-slip solid
-/// takes the viscosity of the fluid and its mirrored velocity; with a free-slip solid there is no friction.
-pub struct Viscosity;
+/// Morris, Fox & Zhu 1997: a = 2, b = 0. Español & Revenga 2003: a = b = 2 (D + 2)/(D + 3). Either has the shear
+/// viscosity eta [a/2 + b/(2 (D + 2))] = eta. SPH-BVF Eq. (18) lacks the factor 2 (a Taylor-Green vortex then decays
+/// at half its rate). A no-slip solid takes the viscosity of the fluid and its mirrored velocity; with a
+/// free-slip solid there is no friction.
+pub struct Viscosity {
+    pub form: Friction,
+}
 
 impl Viscosity {
-    /// Force per volume of i, N/m³.
+    /// a of `D` dimensions: 2, or 2 (D + 2)/(D + 3).
     #[inline(always)]
-    pub fn pair<const D: usize>(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Rates<D>) {
-        let eta = between(i, j);
-        out.force -= (i.velocity - j.velocity) * (2.0 * j.volume * eta * p.f);
+    #[must_use]
+    pub fn a<const D: usize>(&self) -> f64 {
+        match self.form {
+            Friction::Morris => 2.0,
+            Friction::EspanolRevenga => 2.0 * (D as f64 + 2.0) / (D as f64 + 3.0),
+        }
+    }
+
+    /// Force per volume of i and of j, N/m³ times m^-D, from `rub` = eta_ij F, the distance `x` (m) and the difference
+    /// of velocities (m/s).
+    #[inline(always)]
+    pub fn pair<const D: usize>(&self, rub: f64, x: &Vector<D>, apart: &Vector<D>, out: &mut Vector<D>) {
+        let strength = self.a::<D>() * rub;
+        *out -= apart * strength;
+        if self.form == Friction::EspanolRevenga {
+            *out -= x * (strength * apart.dot(x) / x.norm_squared());
+        }
     }
 }
 
