@@ -331,7 +331,7 @@ fn domain(plan: &Plan) -> DomainRecord {
 pub fn conditions(model: &Model) -> Vec<String> {
     use crate::model::conditions::{WallName, What};
     use crate::model::names::axis_name;
-    use crate::quantity::readable::{show_vector, significant};
+    use crate::quantity::readable::{show, show_vector, significant};
     let Domain::Particles(domain) = &model.domain else { return Vec::new() };
     let group = |g: usize| domain.groups[g].name.as_str();
     let d = domain.dimensions;
@@ -393,6 +393,27 @@ pub fn conditions(model: &Model) -> Vec<String> {
                         false => format!("{} perfectly", name(s)),
                     });
                     format!("{} absorbs {}", wall_name(wall), each.collect::<Vec<_>>().join(", "))
+                }
+                What::HeldSurface { wall, species } => {
+                    let values: Vec<String> = species
+                        .iter()
+                        .map(|&(s, c)| format!("{} at {}", name(s), show(c, "mol/m^3")))
+                        .collect();
+                    format!("surface of {} holds {}", wall_name(wall), values.join(", "))
+                }
+                What::Buoyancy { gravity, species } => {
+                    let parts: Vec<String> = species
+                        .iter()
+                        .map(|e| {
+                            format!(
+                                "{} ({} per concentration, none at {})",
+                                name(e.species),
+                                show(e.expansion, "m^3/mol"),
+                                show(e.reference, "mol/m^3")
+                            )
+                        })
+                        .collect();
+                    format!("buoyancy by {} in gravity {}", parts.join(", "), vector(gravity, "m/s²"))
                 }
                 What::Force { acceleration } => format!("body force {}", vector(acceleration, "m/s²")),
             };

@@ -25,9 +25,22 @@ pub struct Scene<'p, const D: usize> {
 }
 
 impl<'p, const D: usize> Scene<'p, D> {
-    /// The particles at the start, the flow built but not yet run.
-    pub fn new(plan: &'p ParticlePlan<D>) -> Result<Scene<'p, D>, RunError> {
-        let flow = plan.flow.clone().map(Flow::new).transpose()?;
+    /// The particles at the start of a realization, the flow built but not yet run.
+    ///
+    /// # Errors
+    /// A flow that cannot be built.
+    pub fn new(plan: &'p ParticlePlan<D>, realization: u32) -> Result<Scene<'p, D>, RunError> {
+        let mut setup = plan.flow.clone();
+        if let Some(noise) = setup.as_mut().and_then(|setup| setup.noise.as_mut()) {
+            noise.realization = u64::from(realization);
+        }
+        let mut flow = setup.map(Flow::new).transpose()?;
+        if let Some(flow) = flow.as_mut().filter(|_| plan.velocity.uniform().is_none()) {
+            flow.set_velocity(|x| {
+                let velocity = plan.velocity.at(&embed(x));
+                Vector::from_fn(|k, _| velocity[k])
+            });
+        }
         let count = plan.particles.len();
         let mut scene = Scene {
             plan,

@@ -1,5 +1,6 @@
 //! A checked reaction network in SI units.
 
+use crate::chemistry::AVOGADRO;
 use crate::chemistry::law::Program;
 use crate::error::Place;
 use crate::quantity::Quantity;
@@ -90,16 +91,21 @@ pub enum SurfaceKind {
     Flux(f64),
     /// Leave at κ times the concentration at the wall, κ in m/s; infinite for a wall that absorbs all.
     Absorption(f64),
+    /// Enter as they do from a concentration (mol/m³) held at the surface; with [`SurfaceKind::Absorption`] of
+    /// infinite κ beside it the surface is a reservoir of this concentration.
+    Held(f64),
 }
 
 impl SurfaceKind {
     /// Events per second in a voxel of volume `volume` m³ with `area` m² of the surface at `distance` m from it,
     /// per molecule for absorption, of a species of diffusivity `diffusivity` m²/s:
-    /// J A, and κ A / V (1 + κ s / D), the loss from a linear profile with D dC/ds = κ C at the wall.
+    /// J A, and κ A / V (1 + κ s / D), the loss from a linear profile with D dC/ds = κ C at the wall; and
+    /// N_A C D A / s, what balances the loss to a wall that absorbs all where the voxel is at C.
     #[must_use]
     pub fn weight(self, volume: f64, area: f64, distance: f64, diffusivity: f64) -> f64 {
         match self {
             SurfaceKind::Flux(flux) => flux * area,
+            SurfaceKind::Held(concentration) => AVOGADRO * concentration * diffusivity * area / distance,
             SurfaceKind::Absorption(kappa) => area / volume / (kappa.recip() + distance / diffusivity),
         }
     }

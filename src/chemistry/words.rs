@@ -36,6 +36,9 @@ pub fn propensity_words(network: &Network, reaction: &Reaction) -> String {
 fn through_surface(network: &Network, reaction: &Reaction, kind: SurfaceKind) -> String {
     let species = reaction.reactants.first().map_or("", |&(s, _)| network.species[s].name.as_str());
     match kind {
+        SurfaceKind::Held(concentration) => {
+            format!("a = {} mol/m^3 * N_A * area * D / distance", number(concentration))
+        }
         SurfaceKind::Flux(flux) => format!("a = {} 1/m^2/s * area", number(flux)),
         SurfaceKind::Absorption(kappa) if kappa.is_finite() => {
             format!("a = area / V / (1 / ({} m/s) + distance / D) * X_{species}", number(kappa))

@@ -108,6 +108,7 @@ impl<const D: usize> Flow<D> {
                 rest_density: density,
                 start: placed.position,
                 acceleration: Vector::zeros(),
+                lift: Vector::zeros(),
                 fraction: if fluid { 0.0 } else { 1.0 },
             });
         }
@@ -173,6 +174,19 @@ impl<const D: usize> Flow<D> {
         self.mirrors();
         self.forces(0.0);
         self.finish(0.0);
+    }
+
+    /// Sets the acceleration (m/s²) of every fluid particle besides gravity, by its number in
+    /// [`Setup::particles`]; it stays until set again and acts from the coming half step on.
+    pub fn set_buoyancy(&mut self, of: impl Fn(usize) -> Vector<D>) {
+        for (side, own) in self.sides.iter().zip(&mut self.own) {
+            if side.is_solid() {
+                continue;
+            }
+            let lift = of(own.id as usize);
+            own.acceleration += lift - own.lift;
+            own.lift = lift;
+        }
     }
 
     /// Time, s.

@@ -183,13 +183,13 @@ impl<const D: usize> Flow<D> {
     /// What solids show to the fluid from here to the end of the step.
     pub(super) fn mirrors(&mut self) {
         let (bodies, sides, positions, time) = (&self.bodies, &self.sides, &self.positions, self.time);
-        let gravity = &self.setup.gravity;
+        let (own, gravity) = (&self.own, &self.setup.gravity);
         self.blocks.par_iter().zip(self.mirrors.par_chunks_mut(BLOCK)).for_each(|(block, mirrors)| {
             for (row, out) in mirrors.iter_mut().enumerate() {
                 let i = block.first + row;
                 if let BodyKind::Solid { motion, .. } = &bodies[sides[i].body as usize].kind {
                     let pull = motion.acceleration(&positions[i], time);
-                    *out = mirror(block, row, sides, sides[i].velocity, pull, gravity);
+                    *out = mirror(block, row, (sides, own), sides[i].velocity, pull, gravity);
                 }
             }
         });
@@ -253,7 +253,7 @@ impl<const D: usize> Flow<D> {
                         continue;
                     }
                     *position += rates.correction;
-                    own.acceleration = rates.force / side.density + gravity;
+                    own.acceleration = rates.force / side.density + gravity + own.lift;
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
                     if let Some(shift) = shift {

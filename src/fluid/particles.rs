@@ -56,6 +56,8 @@ pub struct Own<const D: usize> {
     pub start: Vector<D>,
     /// m/s².
     pub acceleration: Vector<D>,
+    /// Acceleration of this particle besides gravity, m/s²: buoyancy.
+    pub lift: Vector<D>,
     /// Volume fraction of solid around the particle.
     pub fraction: f64,
 }

@@ -19,13 +19,14 @@ pub struct Mirror<const D: usize> {
 /// Velocity 2 v_w - Σ_f v_f V_f W/Σ_f V_f W and pressure Σ_f [p_f + rho_f (g - a_w)·x_wf] V_f W/Σ_f V_f W of
 /// solid particle `row` of a block, the sums over its fluid contacts; Adami, Hu & Adams 2012.
 ///
-/// `wall` and `wall_acceleration` are the motion of the solid particle, `gravity` the body force on the fluid.
+/// `wall` and `wall_acceleration` are the motion of the solid particle, `gravity` the body force on all fluid, to
+/// which each fluid particle adds its buoyancy.
 /// Without fluid in reach: the wall's own velocity and no pressure.
 #[must_use]
 pub fn mirror<const D: usize>(
     block: &Block<D>,
     row: usize,
-    sides: &[Side<D>],
+    (sides, own): (&[Side<D>], &[Own<D>]),
     wall: Vector<D>,
     wall_acceleration: Vector<D>,
     gravity: &Vector<D>,
@@ -37,7 +38,7 @@ pub fn mirror<const D: usize>(
         let share = f.volume * c.weight;
         all += share;
         velocity += f.velocity * share;
-        pressure += (f.pressure + f.density * falling.dot(&c.x)) * share;
+        pressure += (f.pressure + f.density * (falling + own[c.j as usize].lift).dot(&c.x)) * share;
     }
     if all > 0.0 {
         Mirror { velocity: wall * 2.0 - velocity / all, pressure: pressure / all }

@@ -1,7 +1,11 @@
 //! The `conditions:` of a model: sponges, held values, sources, barriers, moving walls, forces;
 //! what happens at surfaces.
 
+mod buoyancy;
+mod held;
 mod surface;
+
+pub use buoyancy::Expansion;
 
 use super::domain::{Boundary, ParticleDomain};
 use super::groups::Material;
@@ -37,6 +41,10 @@ pub enum What {
     MovingWall { wall: WallName, motion: WallMotion },
     /// An acceleration of all fluid, m/s².
     Force { acceleration: Vector<3> },
+    /// Concentrations make the fluid lighter or heavier; gravity in m/s².
+    Buoyancy { gravity: Vector<3>, species: Vec<Expansion> },
+    /// Keeps concentrations (mol/m³) at a surface.
+    HeldSurface { wall: WallName, species: Vec<(usize, f64)> },
     /// Molecules enter through a surface, molecules/(m² s).
     Flux { wall: WallName, species: Vec<(usize, f64)> },
     /// A surface takes molecules up at κ (m/s) times their concentration at it; infinite if it takes all.
@@ -78,11 +86,12 @@ pub fn read(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mu
         };
         let what = match kind.name.as_str() {
             "sponge" => sponge(body, domain, network, faults),
-            "held" => held(body, domain, network, faults),
+            "held" => held::held(body, domain, network, faults),
             "source" => source(body, domain, network, faults),
             "barrier" => barrier(body, domain, faults),
             "moving_wall" => moving_wall(body, domain, faults),
             "force" => force(body, domain, faults),
+            "buoyancy" => buoyancy::buoyancy(body, domain, network, faults),
             "flux" => surface::flux(body, domain, network, faults),
             "absorbing" => surface::absorbing(body, domain, network, faults),
             other => {
@@ -97,7 +106,7 @@ pub fn read(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mu
     found
 }
 
-const KINDS: &str = "kinds are: sponge, held, source, barrier, moving_wall, force, flux, absorbing";
+const KINDS: &str = "kinds are: sponge, held, source, barrier, moving_wall, force, buoyancy, flux, absorbing";
 
 fn group(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults) -> Option<usize> {
     let node = fields.required("in", faults)?;
@@ -145,37 +154,6 @@ fn sponge(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut 
         }
     }
     Some(What::Sponge { group: group?, rate: rate?, velocity, species })
-}
-
-fn held(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Faults) -> Option<What> {
-    let mut fields = Fields::of(node, "held", faults)?;
-    let group = group(&mut fields, domain, faults);
-    let species = amounts(&mut fields, domain, network, faults);
-    let deal = match fields.optional("deal") {
-        // A concentration is held in the mean: a fixed count could not show a fraction of a molecule.
-        None if species
-            .iter()
-            .all(|(_, amount)| matches!(amount, Amount::Molecules(_) | Amount::PerParticle(_))) =>
-        {
-            Deal::Even
-        }
-        None => Deal::Poisson,
-        Some(n) => n.choice(&[("count", Deal::Even), ("poisson", Deal::Poisson)], faults)?,
-    };
-    fields.finish(faults);
-    let group = group?;
-    if domain.groups[group].material == Material::Zone && domain.fluid.is_some() {
-        faults.at(
-            &node.place,
-            format!(
-                "`{}` is a zone that particles pass through; amounts cannot be held in it",
-                domain.groups[group].name
-            ),
-            "use a sponge with a large rate",
-        );
-        return None;
-    }
-    Some(What::Held { group, species, deal })
 }
 
 fn source(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Faults) -> Option<What> {

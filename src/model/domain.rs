@@ -172,7 +172,7 @@ fn particles(
             return None;
         }
     }
-    let fluid = sections.fluid.and_then(|node| fluid::read(node, d, faults));
+    let fluid = sections.fluid.and_then(|node| fluid::read(node, d, network, faults));
     // A layout with a fault is replaced, so that groups and conditions can be checked; NaN fits any box.
     let Layout { spacing, kernel, support, weights } = layout.unwrap_or(Layout {
         spacing: f64::NAN,

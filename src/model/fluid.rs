@@ -1,72 +1,171 @@
 //! The `fluid:` of a model.
 
-use super::names::pad;
-use super::node::Node;
+mod velocity;
+
+use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
+use crate::chemistry::Network;
+use crate::fluid::{EquationOfState, Friction, Method, Options};
 use crate::quantity::Dimension;
-use crate::vector::Vector;
+
+pub use velocity::Velocity;
 
 /// The fluid of a moving model.
 #[derive(Clone, Debug)]
 pub struct FluidModel {
+    pub method: Method,
+    pub friction: Friction,
+    pub state: EquationOfState,
     /// kg/m³.
     pub density: f64,
     /// Pa s.
     pub viscosity: f64,
     /// Reference speed, m/s.
     pub speed: f64,
+    /// Reference length, m: the width across which the flow is sheared; from the box if `None`.
+    pub length: Option<f64>,
     /// m/s; from the flow numbers if `None`.
     pub sound_speed: Option<f64>,
     /// Largest pressure difference expected, Pa, for the automatic sound speed.
     pub pressure_scale: Option<f64>,
-    /// Velocity at the start, m/s.
-    pub velocity: Vector<3>,
+    /// Of the thermal noise, K; no noise if `None`.
+    pub temperature: Option<f64>,
+    /// At the start.
+    pub velocity: Velocity,
     /// How long the flow runs before t = 0, s.
     pub settle: f64,
+    pub options: Options,
 }
 
+/// Methods by name; `none` leaves the particles where they are.
+const METHODS: [(&str, Option<Method>); 4] = [
+    ("sph_bvf", Some(Method::SphBvf)),
+    ("sdpd", Some(Method::Sdpd)),
+    ("sph", Some(Method::Sph)),
+    ("none", None),
+];
+const FRICTIONS: [(&str, Friction); 2] =
+    [("morris", Friction::Morris), ("espanol_revenga", Friction::EspanolRevenga)];
+const STATES: [(&str, EquationOfState); 2] =
+    [("linear", EquationOfState::Linear), ("tait", EquationOfState::Tait7)];
+
 /// Reads the fluid; `None` where nothing moves.
-pub(super) fn read(node: &Node, d: usize, faults: &mut Faults) -> Option<FluidModel> {
+pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults) -> Option<FluidModel> {
     let mut fields = Fields::of(node, "fluid", faults)?;
-    let moving = match fields.optional("method") {
-        None => true,
-        Some(n) => n.choice(&[("none", false), ("sph_bvf", true)], faults)?,
+    let method = match fields.optional("method") {
+        None => Some(Method::default()),
+        Some(n) => n.choice(&METHODS, faults)?,
     };
-    if !moving {
+    let Some(method) = method else {
         fields.finish(faults);
         return None;
-    }
-    let mut positive = |fields: &mut Fields, key: &'static str, dimension| {
+    };
+    let friction = fields.optional("friction").map(|n| n.choice(&FRICTIONS, faults));
+    let state = fields.optional("equation_of_state").map(|n| n.choice(&STATES, faults));
+    let mut required = |fields: &mut Fields, key: &'static str, dimension| {
         fields.required(key, faults).and_then(|n| n.positive(dimension, faults))
     };
-    let density = positive(&mut fields, "density", Dimension::DENSITY);
-    let viscosity = positive(&mut fields, "viscosity", Dimension::DYNAMIC_VISCOSITY);
-    let speed = positive(&mut fields, "speed", Dimension::VELOCITY);
+    let density = required(&mut fields, "density", Dimension::DENSITY);
+    let viscosity = required(&mut fields, "viscosity", Dimension::DYNAMIC_VISCOSITY);
+    let speed = required(&mut fields, "speed", Dimension::VELOCITY);
+    // Outer `None`: not given; inner: given with a fault.
     let sound_speed = match fields.optional("sound_speed") {
-        Some(n) if matches!(&n.value, super::node::Value::Text(word) if word == "auto") => None,
-        Some(n) => Some(n.positive(Dimension::VELOCITY, faults)?),
-        None => None,
+        Some(n) if matches!(&n.value, Value::Text(word) if word == "auto") => None,
+        found => found.map(|n| n.positive(Dimension::VELOCITY, faults)),
     };
-    let pressure_scale = match fields.optional("pressure_scale") {
-        Some(n) => Some(n.positive(Dimension::PRESSURE, faults)?),
-        None => None,
+    let mut optional = |fields: &mut Fields, key: &'static str, dimension| {
+        fields.optional(key).map(|n| n.positive(dimension, faults))
     };
+    let length = optional(&mut fields, "length", Dimension::LENGTH);
+    let pressure_scale = optional(&mut fields, "pressure_scale", Dimension::PRESSURE);
+    let temperature = optional(&mut fields, "temperature", Dimension::TEMPERATURE);
     let velocity = match fields.optional("velocity") {
-        Some(n) => pad(&n.vector(Dimension::VELOCITY, d, faults)?),
-        None => Vector::zeros(),
+        Some(n) => velocity::read(n, d, network, faults),
+        None => Some(Velocity::default()),
     };
-    let settle = match fields.optional("settle") {
-        Some(n) => n.non_negative(Dimension::TIME, faults)?,
-        None => 0.0,
+    let settle = fields.optional("settle").map(|n| n.non_negative(Dimension::TIME, faults));
+    let options = match fields.optional("options") {
+        Some(n) => options(n, faults),
+        None => Some(Options::default()),
     };
     fields.finish(faults);
+    let (friction, state) =
+        (friction.unwrap_or(Some(Friction::default())), state.unwrap_or(Some(EquationOfState::default())));
     Some(FluidModel {
+        method,
+        friction: friction?,
+        state: state?,
         density: density?,
         viscosity: viscosity?,
         speed: speed?,
-        sound_speed,
-        pressure_scale,
-        velocity,
-        settle,
+        length: given(length)?,
+        sound_speed: given(sound_speed)?,
+        pressure_scale: given(pressure_scale)?,
+        temperature: given(temperature)?,
+        velocity: velocity?,
+        settle: settle.unwrap_or(Some(0.0))?,
+        options: options?,
+    })
+}
+
+/// A value that may be left out; `None` if it was given with a fault.
+fn given(value: Option<Option<f64>>) -> Option<Option<f64>> {
+    match value {
+        Some(None) => None,
+        Some(found) => Some(found),
+        None => Some(None),
+    }
+}
+
+/// Numerical choices, for comparison with what others printed; the defaults are meant to be kept.
+fn options(node: &Node, faults: &mut Faults) -> Option<Options> {
+    let usual = Options::default();
+    let mut fields = Fields::of(node, "options", faults)?;
+    let mut number = |fields: &mut Fields, key: &'static str| {
+        fields.optional(key).map(|n| n.non_negative(Dimension::NONE, faults))
+    };
+    let delta = number(&mut fields, "delta");
+    let shift = number(&mut fields, "shift");
+    let courant = fields.optional("courant").map(|n| {
+        let value = n.positive(Dimension::NONE, faults)?;
+        if value > 1.0 {
+            faults.at(
+                &n.place,
+                format!("a Courant number of {value}"),
+                "no step above 1 is stable; 0.1 to 0.2 is usual, and chosen without this option",
+            );
+            return None;
+        }
+        Some(value)
+    });
+    let surface_fraction = fields.optional("surface_fraction").map(|n| {
+        let value = n.positive(Dimension::NONE, faults)?;
+        if value >= 1.0 {
+            let reason = format!("a surface at a volume fraction of {value}");
+            faults.at(&n.place, reason, "it lies between 0 and 1; 0.49 fits kernels of 2.6 to 3 spacings");
+            return None;
+        }
+        Some(value)
+    });
+    let mut steps = |fields: &mut Fields, key: &'static str| fields.optional(key).map(|n| n.count(faults));
+    let drift_correction = steps(&mut fields, "drift_correction");
+    let shepard = steps(&mut fields, "shepard");
+    let pressure_switch = fields.optional("pressure_switch").map(|n| n.boolean(faults));
+    let density_rate =
+        fields.optional("density_rate").map(|n| n.choice(&[("default", false), ("printed", true)], faults));
+    fields.finish(faults);
+    Some(Options {
+        delta: delta.unwrap_or(Some(usual.delta))?,
+        shift: given(shift)?,
+        courant: given(courant)?,
+        surface_fraction: surface_fraction.unwrap_or(Some(usual.surface_fraction))?,
+        drift_correction: drift_correction.unwrap_or(Some(usual.drift_correction))?,
+        pressure_switch: pressure_switch.unwrap_or(Some(usual.pressure_switch))?,
+        shepard: match shepard {
+            Some(steps) => Some(steps?).filter(|&steps| steps > 0),
+            None => usual.shepard,
+        },
+        printed_density_rate: density_rate.unwrap_or(Some(usual.printed_density_rate))?,
+        ..usual
     })
 }

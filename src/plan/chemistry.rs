@@ -38,6 +38,16 @@ pub fn with_conditions(model: &Model) -> Network {
                     add(s, true, Rate::MassAction(rate), Some(vec![group.clone()]));
                 }
             }
+            What::HeldSurface { species, .. } => {
+                for &(s, concentration) in species {
+                    let surface = |kind| Rate::Surface(Surface { number: surfaces, kind });
+                    if concentration > 0.0 {
+                        add(s, true, surface(SurfaceKind::Held(concentration)), None);
+                    }
+                    add(s, false, surface(SurfaceKind::Absorption(f64::INFINITY)), None);
+                }
+                surfaces += 1;
+            }
             What::Flux { species, .. } => {
                 for &(s, flux) in species {
                     let kind = SurfaceKind::Flux(flux);

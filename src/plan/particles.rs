@@ -2,12 +2,12 @@
 
 use crate::error::Fault;
 use crate::fluid::{
-    Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Options, Placed, Setup, Slip, Sponge,
-    Weights,
+    Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Noise, Placed, Setup, Slip, Sponge, Weights,
 };
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Shape, fill};
-use crate::model::conditions::{WallMotion, WallName, What};
+use crate::model::conditions::{Expansion, WallMotion, WallName, What};
+use crate::model::fluid::Velocity;
 use crate::model::groups::Group;
 use crate::model::names::axis_name;
 use crate::model::{Amount, Boundary, Deal, FluidModel, Material, Model, ParticleDomain};
@@ -43,6 +43,10 @@ pub struct ParticlePlan<const D: usize> {
     pub surfaces: Vec<WallName>,
     /// What the flow is built from, if there is one.
     pub flow: Option<Setup<D>>,
+    /// Of the fluid at the start.
+    pub velocity: Velocity,
+    /// Species that make the fluid lighter or heavier.
+    pub lifts: Vec<Lift<D>>,
     /// How long the flow runs before t = 0, s.
     pub settle: f64,
     /// Smallest spacing, m.
@@ -63,6 +67,21 @@ pub struct HeldPlan {
     pub species: Vec<(usize, Amount)>,
     pub deal: Deal,
 }
+
+/// Buoyancy by one species (Boussinesq): acceleration -expansion (C - reference) gravity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lift<const D: usize> {
+    pub species: usize,
+    /// Relative fall of the density per concentration, m³/mol.
+    pub expansion: f64,
+    /// Concentration at which there is none, mol/m³.
+    pub reference: f64,
+    /// m/s².
+    pub gravity: Vector<D>,
+}
+
+/// k, J/K (exact, SI).
+const BOLTZMANN: f64 = 1.380_649e-23;
 
 fn narrow<const D: usize>(x: &Vector<3>) -> Vector<D> {
     Vector::from_fn(|k, _| x[k])
@@ -171,6 +190,8 @@ impl<const D: usize> ParticlePlan<D> {
             held: Vec::new(),
             surfaces: super::surfaces::surfaces(domain),
             flow: None,
+            velocity: domain.fluid.as_ref().map_or_else(Velocity::default, |fluid| fluid.velocity.clone()),
+            lifts: lifts(domain),
             settle: domain.fluid.as_ref().map_or(0.0, |fluid| fluid.settle),
             finest: domain.groups.iter().map(|group| group.spacing).fold(domain.spacing, f64::min),
         };
@@ -178,7 +199,7 @@ impl<const D: usize> ParticlePlan<D> {
         plan.read_conditions(domain);
         if let Some(fluid) = &domain.fluid {
             plan.add_side_walls(domain, &mut bodies);
-            plan.flow = Some(plan.setup(domain, fluid, bodies));
+            plan.flow = Some(plan.setup(model, domain, fluid, bodies));
         }
         plan.check_extent(model, faults);
         plan
@@ -283,7 +304,13 @@ impl<const D: usize> ParticlePlan<D> {
         }
     }
 
-    fn setup(&self, domain: &ParticleDomain, fluid: &FluidModel, bodies: Vec<Body<D>>) -> Setup<D> {
+    fn setup(
+        &self,
+        model: &Model,
+        domain: &ParticleDomain,
+        fluid: &FluidModel,
+        bodies: Vec<Body<D>>,
+    ) -> Setup<D> {
         let mut body_force = Vector::<D>::zeros();
         let mut sponges = Vec::new();
         for condition in &domain.conditions {
@@ -313,17 +340,26 @@ impl<const D: usize> ParticlePlan<D> {
             particles: self.particles.clone(),
             bodies,
             reference_speed: fluid.speed,
-            reference_length: if between_walls.is_finite() { between_walls } else { smallest },
+            reference_length: fluid.length.unwrap_or(if between_walls.is_finite() {
+                between_walls
+            } else {
+                smallest
+            }),
             sound_speed: fluid.sound_speed,
             pressure_scale: fluid.pressure_scale,
             body_force,
             sponges,
-            initial_velocity: narrow::<D>(&fluid.velocity),
-            method: Default::default(),
-            friction: Default::default(),
-            state: Default::default(),
-            noise: None,
-            options: Options::default(),
+            initial_velocity: fluid.velocity.uniform().map_or_else(Vector::zeros, |v| narrow::<D>(&v)),
+            method: fluid.method,
+            friction: fluid.friction,
+            state: fluid.state,
+            // A volume of the flow stands for one of this depth, so that kT is shared out over it.
+            noise: fluid.temperature.map(|temperature| Noise {
+                energy: BOLTZMANN * temperature / self.thickness,
+                seed: model.run.seed,
+                realization: 0,
+            }),
+            options: fluid.options.clone(),
         }
     }
 
@@ -352,6 +388,21 @@ impl<const D: usize> ParticlePlan<D> {
             }
         }
     }
+}
+
+fn lifts<const D: usize>(domain: &ParticleDomain) -> Vec<Lift<D>> {
+    let mut found = Vec::new();
+    for condition in &domain.conditions {
+        if let What::Buoyancy { gravity, species } = &condition.what {
+            found.extend(species.iter().map(|&Expansion { species, expansion, reference }| Lift {
+                species,
+                expansion,
+                reference,
+                gravity: narrow(gravity),
+            }));
+        }
+    }
+    found
 }
 
 fn motion<const D: usize>(domain: &ParticleDomain, wall: WallName) -> Motion<D> {

@@ -16,7 +16,9 @@ pub fn surfaces(domain: &ParticleDomain) -> Vec<WallName> {
         .conditions
         .iter()
         .filter_map(|condition| match &condition.what {
-            What::Flux { wall, .. } | What::Absorbing { wall, .. } => Some(*wall),
+            What::Flux { wall, .. } | What::Absorbing { wall, .. } | What::HeldSurface { wall, .. } => {
+                Some(*wall)
+            }
             _ => None,
         })
         .collect()
@@ -59,7 +61,10 @@ pub fn check(plan: &Plan, faults: &mut Vec<Fault>) {
         ));
     }
     for condition in &domain.conditions {
-        let (What::Flux { wall, species } | What::Absorbing { wall, species }) = &condition.what else {
+        let (What::Flux { wall, species }
+        | What::Absorbing { wall, species }
+        | What::HeldSurface { wall, species }) = &condition.what
+        else {
             continue;
         };
         let WallName::Group(g) = *wall else { continue };

@@ -41,7 +41,7 @@ impl<'p, const D: usize> Ready<'p, D> {
     /// Too many steps, or a flow that fails while it settles.
     pub fn new(plan: &'p Plan, arena: &'p ParticlePlan<D>) -> Result<Ready<'p, D>, NotReady> {
         let begun = Instant::now();
-        let mut scene = Scene::new(arena)?;
+        let mut scene = Scene::new(arena, 0)?;
         let until = plan.model.run.until;
         let mut fluid = None;
         if let Some(flow) = &mut scene.flow {

@@ -79,7 +79,11 @@ fn read(
 }
 
 /// A side of the box that is not periodic, or a group with an outline.
-fn surface_named(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults) -> Option<WallName> {
+pub(super) fn surface_named(
+    fields: &mut Fields,
+    domain: &ParticleDomain,
+    faults: &mut Faults,
+) -> Option<WallName> {
     let node = fields.required("in", faults)?;
     let wall = wall_named(node, domain, faults)?;
     if let WallName::Group(g) = wall {
