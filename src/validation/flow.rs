@@ -160,7 +160,7 @@ fn watch<const D: usize>(
     mut see: impl FnMut(&Look<D>) -> bool,
 ) -> Result<End, RunError> {
     let begun = Instant::now();
-    let mut flow = Scene::new(plan)?.flow.ok_or_else(|| failed("the model has no flow".into()))?;
+    let mut flow = Scene::new(plan, 0)?.flow.ok_or_else(|| failed("the model has no flow".into()))?;
     let longest = flow.step_limit().seconds;
     let looks = (until / every).round().max(1.0) as u32;
     let steps = (until / f64::from(looks) / longest).ceil().max(1.0);
