@@ -111,6 +111,7 @@ pub fn conclude(
     }
     // Realizations of an interrupted run that were taken up count as well.
     let earlier = std::mem::take(&mut record.health);
+    let earlier_flow = earlier.clone();
     let mut supplied: BTreeMap<String, f64> = plan
         .reactor
         .species
@@ -128,13 +129,14 @@ pub fn conclude(
         molecules_created_or_lost: earlier.molecules_created_or_lost + tally.lost,
         molecules_supplied: supplied,
         conservation,
-        momentum_drift: None,
+        momentum_drift: flow.and_then(|f| f.momentum_drift),
         penetrations: flow.map(|f| f.penetrations),
         bounces: flow.map(|f| f.bounces),
         largest_mach: flow.map(|f| f.largest_mach),
         largest_density_change: flow.map(|f| f.largest_density_change),
         warnings: joined(earlier.warnings, tally.warnings()),
     };
+    record.health.absorb_flow(&earlier_flow, record.steps.shared_flow);
     let performance = &mut record.performance;
     performance.particle_steps += tally.particle_steps;
     performance.pair_evaluations += tally.pair_evaluations;

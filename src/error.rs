@@ -176,10 +176,13 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// Says in which realization it was.
+    /// Says in which realization it was, if that is not said yet.
     #[must_use]
     pub fn of(self, realization: u32) -> RunError {
-        RunError::Of { realization, error: Box::new(self) }
+        match self {
+            RunError::Of { .. } => self,
+            error => RunError::Of { realization, error: Box::new(error) },
+        }
     }
 }
 

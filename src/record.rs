@@ -244,7 +244,7 @@ impl RunRecord {
         }
         self.realizations[1] = next.realizations[1];
         self.finished += next.finished;
-        self.health.absorb(&next.health);
+        self.health.absorb(&next.health, self.steps.shared_flow);
         let (own, other) = (&mut self.performance, &next.performance);
         own.particle_steps += other.particle_steps;
         own.pair_evaluations += other.pair_evaluations;
@@ -260,13 +260,7 @@ impl RunRecord {
 }
 
 impl Health {
-    fn absorb(&mut self, next: &Health) {
-        fn larger(own: &mut Option<f64>, other: Option<f64>) {
-            *own = match (*own, other) {
-                (Some(a), Some(b)) => Some(a.max(b)),
-                (a, b) => a.or(b),
-            };
-        }
+    fn absorb(&mut self, next: &Health, shared_flow: bool) {
         self.molecules_created_or_lost += next.molecules_created_or_lost;
         for (species, supplied) in &next.molecules_supplied {
             *self.molecules_supplied.entry(species.clone()).or_default() += supplied;
@@ -274,16 +268,31 @@ impl Health {
         for (own, other) in self.conservation.iter_mut().zip(&next.conservation) {
             own.largest_deviation = own.largest_deviation.max(other.largest_deviation);
         }
-        larger(&mut self.momentum_drift, next.momentum_drift);
-        larger(&mut self.largest_mach, next.largest_mach);
-        larger(&mut self.largest_density_change, next.largest_density_change);
-        // Every block runs the same flow: what it counts is the same, not a sum.
-        self.penetrations = self.penetrations.max(next.penetrations);
-        self.bounces = self.bounces.max(next.bounces);
+        self.absorb_flow(next, shared_flow);
         for warning in &next.warnings {
             if !self.warnings.contains(warning) {
                 self.warnings.push(warning.clone());
             }
+        }
+    }
+
+    /// Takes in what the flow of other realizations says: the same flow again if it is shared, more flows else.
+    pub fn absorb_flow(&mut self, next: &Health, shared: bool) {
+        fn larger(own: &mut Option<f64>, other: Option<f64>) {
+            *own = match (*own, other) {
+                (Some(a), Some(b)) => Some(a.max(b)),
+                (a, b) => a.or(b),
+            };
+        }
+        larger(&mut self.momentum_drift, next.momentum_drift);
+        larger(&mut self.largest_mach, next.largest_mach);
+        larger(&mut self.largest_density_change, next.largest_density_change);
+        for (own, other) in [(&mut self.penetrations, next.penetrations), (&mut self.bounces, next.bounces)] {
+            // Every block runs a shared flow as a whole: what it counts is the same, not a sum.
+            *own = match (*own, other) {
+                (Some(a), Some(b)) if !shared => Some(a + b),
+                (a, b) => a.max(b),
+            };
         }
     }
 }

@@ -1,10 +1,9 @@
 //! Particles as they are at an instant: what the chemistry and the observers see of geometry and flow.
 
-use crate::chemistry::GroupSet;
-use crate::chemistry::Links;
+use crate::chemistry::{AVOGADRO, GroupSet, Links};
 use crate::error::RunError;
 use crate::fluid::surface::{Facing, Surface, facing};
-use crate::fluid::{Flow, Snapshot, Voxels, exchange};
+use crate::fluid::{BodyKind, Flow, Setup, Snapshot, Voxels, exchange};
 use crate::geometry::shape::embed;
 use crate::model::conditions::WallName;
 use crate::plan::ParticlePlan;
@@ -22,6 +21,20 @@ pub struct Scene<'p, const D: usize> {
     pub volumes: Vec<f64>,
     /// Zone a particle is in, or its home group.
     pub current: Vec<u8>,
+    momentum: Option<Momentum<D>>,
+}
+
+/// Momentum of a fluid that nothing holds, per unit thickness: kg m/s times m^(D-3).
+#[derive(Clone, Copy, Debug)]
+struct Momentum<const D: usize> {
+    /// At the first step; `None` before.
+    start: Option<Vector<D>>,
+    /// Largest Σ m |v| seen.
+    scale: f64,
+    /// ∫ F dt of body forces.
+    impulse: Vector<D>,
+    /// F now.
+    force: Vector<D>,
 }
 
 impl<'p, const D: usize> Scene<'p, D> {
@@ -56,6 +69,12 @@ impl<'p, const D: usize> Scene<'p, D> {
             positions: Vec::new(),
             volumes: Vec::new(),
             current: Vec::new(),
+            momentum: plan.flow.as_ref().filter(|setup| is_free(setup)).map(|setup| Momentum {
+                start: None,
+                scale: 0.0,
+                impulse: Vector::zeros(),
+                force: weight(setup),
+            }),
         };
         scene.look();
         Ok(scene)
@@ -85,11 +104,53 @@ impl<'p, const D: usize> Scene<'p, D> {
 
     /// Moves the flow by `steps` steps of `dt` seconds and looks again.
     pub fn advance(&mut self, dt: f64, steps: u64) -> Result<(), RunError> {
+        self.book_momentum(0.0);
         if let Some(flow) = &mut self.flow {
             flow.advance(dt, steps)?;
             self.look();
         }
+        self.book_momentum(dt * steps as f64);
         Ok(())
+    }
+
+    /// Lets the amounts of a realization (molecules, voxel by voxel of `species`) lift the fluid from here on:
+    /// -expansion (C - reference) gravity with C = n/(N_A V) of each particle (Boussinesq). Set in the middle of a
+    /// split step it stays for the whole motion, which keeps the step second order.
+    pub fn lift(&mut self, amounts: &[f64], species: usize) {
+        let (Some(flow), Some(setup)) = (&mut self.flow, &self.plan.flow) else { return };
+        let of = |i: usize| -> Vector<D> {
+            self.plan.lifts.iter().fold(Vector::zeros(), |sum, lift| {
+                let concentration = amounts[i * species + lift.species] / (AVOGADRO * self.volumes[i]);
+                sum - lift.gravity * (lift.expansion * (concentration - lift.reference))
+            })
+        };
+        flow.set_buoyancy(of);
+        if let Some(momentum) = &mut self.momentum {
+            momentum.force = weight(setup)
+                + (0..setup.particles.len())
+                    .fold(Vector::zeros(), |sum: Vector<D>, i| sum + of(i) * mass(setup, i));
+        }
+    }
+
+    /// Takes the time that passed and the momentum that is there now into the books.
+    fn book_momentum(&mut self, duration: f64) {
+        let (Some(momentum), Some(setup)) = (&mut self.momentum, &self.plan.flow) else { return };
+        let velocities = self.snapshot.velocity.iter().enumerate();
+        let (sum, scale) = velocities.fold((Vector::<D>::zeros(), 0.0), |(sum, scale), (i, v)| {
+            (sum + v * mass(setup, i), scale + v.norm() * mass(setup, i))
+        });
+        momentum.start.get_or_insert(sum);
+        momentum.scale = momentum.scale.max(scale);
+        momentum.impulse += momentum.force * duration;
+    }
+
+    /// |P - P(0) - ∫ F dt| over the largest Σ m |v|, where nothing but body forces F acts on the fluid from outside:
+    /// no walls, no sponges, periodic on all axes.
+    #[must_use]
+    pub fn momentum_drift(&self) -> Option<f64> {
+        let momentum = self.momentum.as_ref()?;
+        let astray = self.flow.as_ref()?.health().momentum - momentum.start? - momentum.impulse;
+        Some(if momentum.scale > 0.0 { astray.norm() / momentum.scale } else { astray.norm() })
     }
 
     /// Conductances between the particles as they are now, for species that live in the groups of `habitat`.
@@ -161,4 +222,23 @@ impl<'p, const D: usize> Scene<'p, D> {
             .filter(|&i| self.current[i as usize] == group || self.plan.home[i as usize] == group)
             .collect()
     }
+}
+
+/// Whether nothing but body forces acts on a fluid from outside.
+fn is_free<const D: usize>(setup: &Setup<D>) -> bool {
+    setup.domain.periodic.iter().all(|&periodic| periodic) && !setup.has_solids() && setup.sponges.is_empty()
+}
+
+/// Mass of a fluid particle per unit thickness, kg times m^(D-3); none of a solid.
+fn mass<const D: usize>(setup: &Setup<D>, i: usize) -> f64 {
+    let placed = &setup.particles[i];
+    match setup.bodies[usize::from(placed.body)].kind {
+        BodyKind::Fluid { density, .. } => density * placed.volume,
+        BodyKind::Solid { .. } => 0.0,
+    }
+}
+
+/// The body force on all fluid, per unit thickness.
+fn weight<const D: usize>(setup: &Setup<D>) -> Vector<D> {
+    setup.body_force * (0..setup.particles.len()).map(|i| mass(setup, i)).sum::<f64>()
 }

@@ -146,8 +146,9 @@ fn run_time(plan: &Plan, steps: &crate::record::StepsRecord, voxels: f64, neighb
         return String::new();
     }
     let cores = std::thread::available_parallelism().map_or(1.0, |n| n.get() as f64);
-    let fluid =
-        steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
+    let flows = if plan.model.flows_differ() { f64::from(plan.model.run.realizations) } else { 1.0 };
+    let fluid = flows
+        * steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
     let chemistry = steps.chemistry.as_ref().map_or(0.0, |s| {
         s.count as f64 * voxels * f64::from(plan.model.run.realizations) / VOXEL_STEPS_PER_SECOND
     });

@@ -30,17 +30,12 @@ impl<const D: usize> Flow<D> {
         let candidates = [
             (s.courant * h / (self.sound_speed + speed), "sound"),
             (self.viscous_limit(), "viscosity"),
-            (0.25 * (h / self.strongest_pull()).sqrt(), "body force"),
+            (0.25 * (h / s.gravity.norm()).sqrt(), "body force"),
             (0.1 * h / (s.shift * speed), "particle shift"),
         ];
         let (seconds, word) =
             candidates.into_iter().fold((f64::INFINITY, "nothing"), |a, b| if b.0 < a.0 { b } else { a });
         StepLimit { seconds, limited_by: word.to_owned() }
-    }
-
-    /// Largest acceleration by gravity and buoyancy, m/s².
-    fn strongest_pull(&self) -> f64 {
-        self.own.iter().map(|own| (self.setup.gravity + own.lift).norm()).fold(0.0, f64::max)
     }
 
     /// The sound speed raised to what costs nothing where friction limits the step, at most threefold, m/s:

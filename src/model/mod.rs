@@ -45,6 +45,21 @@ pub struct Model {
     pub places: Places,
 }
 
+impl Model {
+    /// Whether each realization has a flow of its own: thermal noise, or buoyancy by species that may differ between
+    /// realizations, which they do unless all are continuous.
+    #[must_use]
+    pub fn flows_differ(&self) -> bool {
+        let Domain::Particles(domain) = &self.domain else { return false };
+        let Some(fluid) = &domain.fluid else { return false };
+        let lifts = domain.conditions.iter().any(|c| matches!(c.what, conditions::What::Buoyancy { .. }));
+        let representation =
+            |s: &crate::chemistry::Species| s.representation.unwrap_or(self.chemistry.representation);
+        let chance = self.network.species.iter().any(|s| representation(s) != Representation::Continuous);
+        fluid.temperature.is_some() || lifts && chance
+    }
+}
+
 /// Where the parts of a document stand.
 #[derive(Clone, Debug)]
 pub struct Places {

@@ -49,7 +49,10 @@ pub fn estimate(model: &Model, realizations: u32) -> Estimate {
     });
     // A particle's state and lists; a neighbour's entry in lists, links and tables; a realization's amounts,
     // clocks and scratch; a number of the series and its concentration.
-    let bytes = voxels * (400.0 + neighbours * 40.0)
+    // Flows that differ run side by side, one on a core.
+    let cores = std::thread::available_parallelism().map_or(1.0, |n| n.get() as f64);
+    let flows = if model.flows_differ() { f64::from(realizations).min(cores).max(1.0) } else { 1.0 };
+    let bytes = flows * voxels * (400.0 + neighbours * 40.0)
         + f64::from(realizations) * voxels * (16.0 * species + 8.0)
         + f64::from(realizations) * columns * model.output.times.len() as f64 * 32.0
         + frames;

@@ -72,11 +72,32 @@ impl Tally {
 /// What the flow says of itself.
 #[derive(Clone, Debug, Default)]
 pub struct FlowTally {
+    /// Where nothing but body forces acts on the fluid from outside.
+    pub momentum_drift: Option<f64>,
     pub penetrations: u64,
     pub bounces: u64,
     pub largest_mach: f64,
     pub largest_density_change: f64,
     pub warnings: Vec<String>,
+}
+
+impl FlowTally {
+    /// Takes in another flow, of another realization.
+    pub(crate) fn absorb(&mut self, other: FlowTally) {
+        self.penetrations += other.penetrations;
+        self.bounces += other.bounces;
+        self.largest_mach = self.largest_mach.max(other.largest_mach);
+        self.largest_density_change = self.largest_density_change.max(other.largest_density_change);
+        self.momentum_drift = match (self.momentum_drift, other.momentum_drift) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+        for warning in other.warnings {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+    }
 }
 
 /// A plan whose steps are chosen: ready to run, nothing written yet.

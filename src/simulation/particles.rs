@@ -1,15 +1,20 @@
-//! Realizations on particles: one flow for all of them, or particles at rest.
+//! Realizations on particles: one flow for all of them, one for each, or particles at rest.
 
+mod course;
+mod flows;
 mod steps;
 
 use super::clock::{Interval, intervals};
 use super::freeze::freeze;
 use super::realization::{Realization, Reservoirs, Surroundings};
-use super::{FlowTally, NotReady, Outcome, Tally, Watch, hybrids, paths};
+use super::{NotReady, Outcome, Tally, Watch, hybrids, paths};
+use crate::chemistry::network::{Surface, SurfaceKind};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
+use crate::chemistry::{AVOGADRO, Rate};
 use crate::error::RunError;
 use crate::model::Method;
 use crate::plan::limits::{check_euler, check_steps};
+use crate::plan::particles::Lift;
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
 use crate::samples::SeriesBlock;
@@ -41,8 +46,8 @@ impl<'p, const D: usize> Ready<'p, D> {
     /// Too many steps, or a flow that fails while it settles.
     pub fn new(plan: &'p Plan, arena: &'p ParticlePlan<D>) -> Result<Ready<'p, D>, NotReady> {
         let begun = Instant::now();
-        let mut scene = Scene::new(arena, 0)?;
         let until = plan.model.run.until;
+        let mut scene = Scene::new(arena, 0)?;
         let mut fluid = None;
         if let Some(flow) = &mut scene.flow {
             let before = flow.step_limit();
@@ -60,6 +65,13 @@ impl<'p, const D: usize> Ready<'p, D> {
         check_amounts(plan, &scene.places())?;
         let start = start(plan, &scene.places());
         let frozen = freeze(plan, &scene, &start)?;
+        let pull = buoyant_pull(plan, arena, &scene, &start);
+        if let Some((step, limited_by)) = &mut fluid {
+            let buoyant = 0.25 * (arena.cutoff / pull).sqrt();
+            if buoyant < *step {
+                (*step, *limited_by) = (buoyant, "buoyancy".into());
+            }
+        }
         let groups: Vec<usize> = arena.home.iter().map(|&home| usize::from(home)).collect();
         paths::check(plan, &frozen, &groups)?;
         check_euler(&plan.model, longest_euler_step(&plan.reactor, &frozen))?;
@@ -68,8 +80,15 @@ impl<'p, const D: usize> Ready<'p, D> {
             (f64::INFINITY, String::new(), Vec::new(), None)
         } else {
             let bounds = bounds(plan, &scene, &frozen, &start);
+            // What lifts the fluid is renewed at each chemistry step: a tenth of the inverse frequency at which the
+            // steepest layers that the particles can carry would swing, N² = pull / cut-off.
+            let buoyancy = 0.1 * (arena.cutoff / pull).sqrt();
             let (step, limit) = match plan.model.chemistry.step {
                 Some(step) => (step, "the step given in the model".to_string()),
+                None if buoyancy < bounds.step().min(until) => (
+                    buoyancy,
+                    "buoyancy, a tenth of sqrt(h / (g times the relative change of density))".into(),
+                ),
                 // Where nothing limits the step, outputs do.
                 None if bounds.step() > until => (until, "the output times".to_string()),
                 None => (bounds.step(), bounds.limited_by().to_string()),
@@ -109,76 +128,20 @@ impl<'p, const D: usize> Ready<'p, D> {
         if let Some(method) = event_driven(self.plan) {
             return self.run_events(realizations, method, tally, watch);
         }
-        let members: Vec<Realization> =
-            realizations.iter().map(|&number| Realization::new(self.plan, &self.start, number)).collect();
-        if self.fluid.is_some() {
-            self.run_on_flow(members, tally, watch)
-        } else {
-            self.run_at_rest(members, tally, watch)
+        match (self.fluid.is_some(), self.plan.model.flows_differ()) {
+            (true, false) => self.run_on_flow(realizations, tally, watch),
+            (true, true) => self.run_on_flows(realizations, tally, watch),
+            (false, _) => self.run_at_rest(self.members(realizations), tally, watch),
         }
     }
 
-    /// All realizations step by step on one flow.
-    fn run_on_flow(mut self, mut members: Vec<Realization>, mut tally: Tally, watch: &Watch) -> Outcome {
-        let plan = self.plan;
-        watch.begin(self.clock.iter().map(|i| i.ticks).sum(), "chemistry steps");
-        let mut reservoirs = Reservoirs::new(plan, &self.scene);
-        let mut error = None;
-        let mut seen = 0;
-        let mut interrupted = false;
-        'time: for interval in &self.clock {
-            let tick = interval.tick();
-            for k in 0..interval.ticks {
-                if watch.stopped() {
-                    interrupted = true;
-                    break 'time;
-                }
-                let (time, half) = (interval.time(k), 0.5 * tick);
-                let chemistry = Instant::now();
-                let before =
-                    Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
-                advance(&mut members, &mut error, |one| one.before_motion(&before, time, half));
-                let fluid = Instant::now();
-                tally.chemistry_seconds += (fluid - chemistry).as_secs_f64();
-                let moved = self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps);
-                let chemistry = Instant::now();
-                tally.fluid_seconds += (chemistry - fluid).as_secs_f64();
-                match moved.and_then(|()| freeze(plan, &self.scene, &self.start)) {
-                    Ok(frozen) => self.frozen = frozen,
-                    Err(found) => {
-                        // The flow carries them all.
-                        error = error.or(Some(found));
-                        break 'time;
-                    }
-                }
-                reservoirs = Reservoirs::new(plan, &self.scene);
-                let after =
-                    Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
-                advance(&mut members, &mut error, |one| one.after_motion(&after, time + half, half));
-                tally.chemistry_seconds += chemistry.elapsed().as_secs_f64();
-                if members.is_empty() {
-                    break 'time;
-                }
-                watch.advance(1);
-            }
-            let lens = Lens::new(plan, &self.scene);
-            members
-                .par_iter_mut()
-                .for_each(|one| lens.look(&one.state.amounts, interval.end, true, &mut one.observed));
-            seen += 1;
-        }
-        self.count(&members, &mut tally);
-        Outcome {
-            observed: members.into_iter().map(|one| one.observed).collect(),
-            times: seen,
-            tally,
-            error,
-            interrupted,
-        }
+    /// Realizations at t = 0.
+    fn members(&self, realizations: &[u32]) -> Vec<Realization> {
+        realizations.iter().map(|&number| Realization::new(self.plan, &self.start, number)).collect()
     }
 
     /// Realizations one by one on particles at rest; those that finish are kept whatever befalls others.
-    fn run_at_rest(self, mut members: Vec<Realization>, mut tally: Tally, watch: &Watch) -> Outcome {
+    fn run_at_rest(&self, mut members: Vec<Realization>, mut tally: Tally, watch: &Watch) -> Outcome {
         let plan = self.plan;
         watch.begin(members.len() as u64, "realizations");
         let lens = Lens::new(plan, &self.scene);
@@ -213,7 +176,7 @@ impl<'p, const D: usize> Ready<'p, D> {
                 Err(found) => error = error.or(Some(found)),
             }
         }
-        self.count(&kept, &mut tally);
+        count(plan, &self.scene.plan.home, &kept, &mut tally);
         let times = plan.model.output.times.len();
         Outcome {
             observed: kept.into_iter().map(|one| one.observed).collect(),
@@ -223,50 +186,62 @@ impl<'p, const D: usize> Ready<'p, D> {
             interrupted,
         }
     }
-
-    /// Books counters, conservation and what the flow says of itself.
-    fn count(&self, members: &[Realization], tally: &mut Tally) {
-        for one in members {
-            tally.reaction_events += one.state.counters.events;
-            tally.hops += one.state.counters.hops;
-            tally.supplied.iter_mut().zip(&one.state.supplied).for_each(|(sum, n)| *sum += n);
-            tally.lost += one.state.astray(&self.plan.reactor, &one.total);
-        }
-        let groups: Vec<usize> = self.scene.plan.home.iter().map(|&home| usize::from(home)).collect();
-        let voxels = (groups.as_slice(), self.scene.plan.home.as_slice());
-        tally.hybrid = hybrids::history(self.plan, members.iter().map(|one| &one.state.modes), voxels);
-        tally.withheld = members.iter().map(|one| one.state.withheld).sum();
-        if let Some(flow) = &self.scene.flow {
-            tally.particle_steps = flow.particle_steps();
-            tally.pair_evaluations = flow.pair_evaluations();
-            let health = flow.health();
-            tally.flow = Some(FlowTally {
-                penetrations: health.penetrations,
-                bounces: health.bounces,
-                largest_mach: health.largest_mach,
-                largest_density_change: health.largest_density_change,
-                warnings: health.warnings,
-            });
-        }
-    }
 }
 
-/// Takes every realization a part of a step on; one that fails is left behind, and the first failure is told.
-fn advance(
-    members: &mut Vec<Realization>,
-    error: &mut Option<RunError>,
-    part: impl Fn(&mut Realization) -> Result<(), RunError> + Sync + Send,
-) {
-    let part = |one: &mut Realization| part(one).map_err(|error| error.of(one.observed.series.realization));
-    let results: Vec<Result<(), RunError>> = members.par_iter_mut().map(part).collect();
-    let mut results = results.into_iter();
-    members.retain(|_| match results.next() {
-        Some(Err(found)) => {
-            error.get_or_insert(found);
-            false
-        }
-        _ => true,
-    });
+/// Books counters and conservation of realizations; `home` is the home group of each voxel.
+fn count(plan: &Plan, home: &[u8], members: &[Realization], tally: &mut Tally) {
+    for one in members {
+        tally.reaction_events += one.state.counters.events;
+        tally.hops += one.state.counters.hops;
+        tally.supplied.iter_mut().zip(&one.state.supplied).for_each(|(sum, n)| *sum += n);
+        tally.lost += one.state.astray(&plan.reactor, &one.total);
+    }
+    let groups: Vec<usize> = home.iter().map(|&home| usize::from(home)).collect();
+    tally.hybrid = hybrids::history(plan, members.iter().map(|one| &one.state.modes), (&groups, home));
+    tally.withheld = members.iter().map(|one| one.state.withheld).sum();
+}
+
+/// The particles of a realization when the flow has settled.
+fn settled<const D: usize>(arena: &ParticlePlan<D>, realization: u32) -> Result<Scene<'_, D>, RunError> {
+    let mut scene = Scene::new(arena, realization)?;
+    if let Some(flow) = &mut scene.flow {
+        flow.settle(arena.settle)?;
+    }
+    scene.look();
+    Ok(scene)
+}
+
+/// Largest acceleration by buoyancy to be expected, m/s²: the largest difference from the reference among the amounts
+/// at the start, what sponges draw to and what surfaces hold.
+fn buoyant_pull<const D: usize>(
+    plan: &Plan,
+    arena: &ParticlePlan<D>,
+    scene: &Scene<D>,
+    start: &Start,
+) -> f64 {
+    let (count, means) = (plan.reactor.species.len(), start.means());
+    let sponges = Reservoirs::new(plan, scene).sponges;
+    let pull = |lift: &Lift<D>| -> f64 {
+        let s = lift.species;
+        let there = (0..scene.volumes.len()).map(|i| (i, means[i * count + s]));
+        let drawn = sponges
+            .iter()
+            .filter(|sponge| sponge.species == s)
+            .flat_map(|sponge| sponge.voxels.iter().map(|&i| i as usize).zip(sponge.targets.iter().copied()));
+        let concentrations = there
+            .filter(|&(i, _)| plan.reactor.habitat[s].holds(arena.home[i]))
+            .chain(drawn)
+            .map(|(i, n)| n / (AVOGADRO * scene.volumes[i]));
+        let held = plan.network.reactions.iter().filter_map(|reaction| match &reaction.rate {
+            Rate::Surface(Surface { kind: SurfaceKind::Held(c), .. }) if reaction.products[0].0 == s => {
+                Some(*c)
+            }
+            _ => None,
+        });
+        let most = concentrations.chain(held).fold(0.0_f64, |most, c| most.max((c - lift.reference).abs()));
+        lift.gravity.norm() * lift.expansion.abs() * most
+    };
+    arena.lifts.iter().map(pull).sum()
 }
 
 /// The method, if it is event driven; the plan has seen to it that the particles then rest.

@@ -78,7 +78,7 @@ impl<const D: usize> Ready<'_, D> {
                 .chain(self.scene.plan.weights.caveat().map(String::from))
                 .collect(),
             splitting_error: self.splitting.map(|(error, _)| error.relative),
-            shared_flow: self.fluid.is_some(),
+            shared_flow: self.fluid.is_some() && !self.plan.model.flows_differ(),
         }
     }
 }
