@@ -69,7 +69,6 @@ pub struct End {
     /// When, s.
     pub time: f64,
     pub penetrations: u64,
-    pub largest_mach: f64,
     pub largest_density_change: f64,
     pub particle_steps: u64,
     /// Wall time, s.
@@ -177,7 +176,6 @@ fn watch<const D: usize>(
     Ok(End {
         time: flow.time(),
         penetrations: health.penetrations,
-        largest_mach: health.largest_mach,
         largest_density_change: health.largest_density_change,
         particle_steps: flow.particle_steps(),
         seconds: begun.elapsed().as_secs_f64(),

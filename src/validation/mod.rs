@@ -3,11 +3,16 @@
 //! The cases are the models that are shipped, changed only by values a user could give with `--set`.
 
 mod annihilation;
+mod bessel;
 mod cavity;
 mod compact;
 mod compartments;
+mod cylinder;
+mod duct;
 mod findings;
 mod flow;
+mod moving_walls;
+mod natural_convection;
 mod nodes;
 mod pheromone;
 mod poiseuille;
@@ -95,6 +100,31 @@ pub const CASES: &[Case] = &[
         name: "cavity",
         what: "lid-driven cavity, Re 100, 50 x 50 (--full: 100 x 100; Re 1000; Re 10000 with 200 x 200)",
         run: cavity::lid,
+    },
+    Case {
+        name: "natural_convection",
+        what: "hot cylinder in a cold square, Ra 1e4, 100 x 100 (--full: to Ra 1e6 and 200 x 200)",
+        run: natural_convection::cylinder,
+    },
+    Case {
+        name: "duct_3d",
+        what: "square duct in space, 20 x 20 across (--full: 12 x 12 and 30 x 30 too)",
+        run: duct::square_duct,
+    },
+    Case {
+        name: "couette_start",
+        what: "start of plane Couette flow, over the transient",
+        run: moving_walls::couette_start,
+    },
+    Case {
+        name: "stokes_second",
+        what: "oscillating plate (Stokes' second problem) in a channel",
+        run: moving_walls::stokes_second,
+    },
+    Case {
+        name: "spinning_cylinder",
+        what: "spin-up of the fluid inside a cylinder that starts to turn",
+        run: cylinder::spin_up,
     },
 ];
 

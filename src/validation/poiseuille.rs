@@ -130,7 +130,7 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
         let u: Vec<f64> = channel.profile.iter().map(|p| p[1]).collect();
         let wrong: Vec<f64> = channel.profile.iter().map(|p| p[1] - exact(p[0])).collect();
         if k == 0 {
-            profiles.push(Trace::new(&name, &y, &u, Style::Points, palette(k)));
+            profiles.push(Trace::new("particles, Ny = 20", &y, &u, Style::Points, GREY));
         }
         let (bins, mean) = averaged(&y, &wrong, channel.across as usize);
         errors.push(Trace::new(&name, &bins, &mean, Style::Line, palette(k)));
@@ -160,9 +160,9 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
             x: Ruler::logarithmic("particles across"),
             y: Ruler::logarithmic("L2 error / U"),
             traces: vec![
-                Trace::new("GilleSPH", &n[..shown], &ours, Style::Line, palette(0)),
-                Trace::new("", &n[..shown], &ours, Style::Points, palette(0)),
-                Trace::new("Jacob et al. 2021", &n[..shown], &PRINTED[0].1[..shown], Style::Points, palette(1)),
+                Trace::new("GilleSPH", &n[..shown], &ours, Style::Line, BLACK),
+                Trace::new("", &n[..shown], &ours, Style::Points, BLACK),
+                Trace::new("Jacob et al. 2021", &n[..shown], &PRINTED[0].1[..shown], Style::Points, palette(3)),
                 Trace::new("second order", &n[..shown], &second, Style::Dashed, GREY),
             ],
         },
