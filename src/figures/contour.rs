@@ -38,7 +38,8 @@ impl GridField {
         }
         let mut lines = Vec::new();
         // Ends of open lines first, then what is closed.
-        let open = |links: &HashMap<Edge, Vec<Edge>>, edge: &Edge| links.get(edge).is_some_and(|l| l.len() == 1);
+        let open =
+            |links: &HashMap<Edge, Vec<Edge>>, edge: &Edge| links.get(edge).is_some_and(|l| l.len() == 1);
         let starts: Vec<Edge> = order.iter().copied().filter(|edge| open(&links, edge)).collect();
         for start in starts.into_iter().chain(order) {
             let mut line = vec![self.crossing(start, value)];

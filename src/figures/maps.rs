@@ -86,7 +86,13 @@ pub struct Levels {
 
 /// Level lines side by side, with words below.
 #[must_use]
-pub fn level_lines(name: &str, title: &str, caption: &str, panels: &[Levels], words: &[(String, Colour)]) -> Figure {
+pub fn level_lines(
+    name: &str,
+    title: &str,
+    caption: &str,
+    panels: &[Levels],
+    words: &[(String, Colour)],
+) -> Figure {
     let cell = LEFT + SIDE + 3.0;
     let mut d = Drawing::new(panels.len() as f64 * cell, TOP + SIDE + BOTTOM);
     for (k, one) in panels.iter().enumerate() {
@@ -96,8 +102,10 @@ pub fn level_lines(name: &str, title: &str, caption: &str, panels: &[Levels], wo
         };
         for (level, colour) in &one.levels {
             for line in one.field.level(*level) {
-                let points: Vec<[f64; 2]> =
-                    line.iter().map(|p| if inside(p) { panel.at(p[0], p[1]) } else { [f64::NAN; 2] }).collect();
+                let points: Vec<[f64; 2]> = line
+                    .iter()
+                    .map(|p| if inside(p) { panel.at(p[0], p[1]) } else { [f64::NAN; 2] })
+                    .collect();
                 d.line(&points, 0.25, *colour);
             }
         }

@@ -232,8 +232,12 @@ mod tests {
         let trace = |k: usize| {
             Trace::new(&format!("a long name {}", k % 9), &[0.0, 1.0], &[0.0, 1.0], Style::Line, BLACK)
         };
-        let plot =
-            Plot { title: "t".into(), x: Ruler::linear("x"), y: Ruler::linear("y"), traces: (0..12).map(trace).collect() };
+        let plot = Plot {
+            title: "t".into(),
+            x: Ruler::linear("x"),
+            y: Ruler::linear("y"),
+            traces: (0..12).map(trace).collect(),
+        };
         let figure = plots("n", "t", "c", &[plot.clone(), plot], 2, 40.0);
         let named = |mark: &&super::super::drawing::Mark| {
             matches!(mark, super::super::drawing::Mark::Text { text, at, .. }

@@ -3,7 +3,7 @@
 mod drawing;
 
 use super::findings::Findings;
-use super::flow::{End, across, judged, stated, watch_plane};
+use super::flow::{End, Look, across, judged, stated, watch_plane};
 use super::reading::velocities;
 use super::stream_function::Mesh;
 use super::table::Table;
@@ -127,12 +127,11 @@ fn run(case: &Case) -> Result<Steady, RunError> {
         energy[0].push(look.time);
         energy[1].push(look.kinetic_energy());
         let window = &energy[1][energy[1].len().saturating_sub(keep + 1)..];
-        let (low, high) =
-            window.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &e| (a.min(e), b.max(e)));
+        let (low, high) = window.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &e| (a.min(e), b.max(e)));
         change = if window.len() > keep { (high - low) / high } else { f64::INFINITY };
         // Reading costs as much as some steps: only where the end is in sight.
         if change < 10.0 * STEADY || look.time > case.until - WINDOW - 0.5 * EVERY {
-            readings.push_back(velocities(look, &wanted.places));
+            readings.push_back(wanted.read(look));
             if readings.len() > keep {
                 readings.pop_front();
             }
@@ -161,6 +160,10 @@ fn stations(table: &Table, place: &str, letter: &str, reynolds: u32) -> Line {
 /// All places velocities are read at.
 struct Wanted {
     places: Vec<Vector<2>>,
+    /// How many of them are on the centrelines.
+    on_lines: usize,
+    /// Places on the walls and the velocity there.
+    walls: Vec<(Vector<2>, Vector<2>)>,
 }
 
 impl Wanted {
@@ -173,8 +176,25 @@ impl Wanted {
             places.extend(line.place.iter().map(|&s| on(axis, s)));
             places.extend((0..Wanted::FINE).map(|k| on(axis, Wanted::fine(k))));
         }
+        let on_lines = places.len();
         places.extend(mesh.places());
-        Wanted { places }
+        let mut walls = Vec::new();
+        // As close as the nodes of the mesh; the corners of the lid belong to nobody.
+        for k in 1..mesh.cells {
+            let s = k as f64 / mesh.cells as f64;
+            for place in [[s, 0.0], [0.0, s], [1.0, s]] {
+                walls.push((Vector::from(place), Vector::zeros()));
+            }
+            walls.push((Vector::from([s, 1.0]), Vector::from([1.0, 0.0])));
+        }
+        Wanted { places, on_lines, walls }
+    }
+
+    /// Velocities at all places: on the lines from the particles alone, on the mesh with what is known of the walls,
+    /// where slow corner vortices would drown in what extrapolation makes of the last layer.
+    fn read(&self, look: &Look<2>) -> Vec<Vector<2>> {
+        let (lines, mesh) = self.places.split_at(self.on_lines);
+        [velocities(look, lines, &[]), velocities(look, mesh, &self.walls)].concat()
     }
 
     /// Distances for the figure, wall to wall.

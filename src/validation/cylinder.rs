@@ -46,99 +46,111 @@ impl SpinUp {
 
 /// 25 particles along the radius.
 pub fn spin_up(_full: bool) -> Result<Verdict, RunError> {
-    timed("spinning_cylinder: spin-up, 25 particles along the radius (root mean square error, ΩR = 1)", || {
-        let shipped =
-            Shipped { model: include_str!("../../models/validation/spinning_cylinder.yaml"), reactions: None };
-        let exact = SpinUp::new();
-        let around = |x: &Vector<2>| x - Vector::from(CENTRE);
-        let (mut times, mut errors, mut profiles) = (Vec::new(), Vec::new(), Vec::new());
-        let mut clouds = Vec::new();
-        let end = watch_plane(&shipped, &[], EVERY, |look| {
-            let t = look.time;
-            // Turning to the left: velocity perpendicular to the radius.
-            let wrong = |x: &Vector<2>, v: &Vector<2>| {
-                let r = around(x);
-                let wanted = Vector::from([-r[1], r[0]]) * (exact.speed(r.norm(), t) / r.norm());
-                (v - wanted).norm()
+    timed(
+        "spinning_cylinder: spin-up, 25 particles along the radius (root mean square error, ΩR = 1)",
+        || {
+            let shipped = Shipped {
+                model: include_str!("../../models/validation/spinning_cylinder.yaml"),
+                reactions: None,
             };
-            if SHOWN.contains(&times.len()) {
-                let tangential = |(x, v): (&Vector<2>, &Vector<2>)| {
+            let exact = SpinUp::new();
+            let around = |x: &Vector<2>| x - Vector::from(CENTRE);
+            let (mut times, mut errors, mut profiles) = (Vec::new(), Vec::new(), Vec::new());
+            let mut clouds = Vec::new();
+            let end = watch_plane(&shipped, &[], EVERY, |look| {
+                let t = look.time;
+                // Turning to the left: velocity perpendicular to the radius.
+                let wrong = |x: &Vector<2>, v: &Vector<2>| {
                     let r = around(x);
-                    [r.norm(), (r[0] * v[1] - r[1] * v[0]) / r.norm()]
+                    let wanted = Vector::from([-r[1], r[0]]) * (exact.speed(r.norm(), t) / r.norm());
+                    (v - wanted).norm()
                 };
-                let mut profile: Vec<[f64; 2]> = look.particles().map(tangential).collect();
-                profile.sort_by(|a, b| a[0].total_cmp(&b[0]));
-                profiles.push((t, profile));
+                if SHOWN.contains(&times.len()) {
+                    let tangential = |(x, v): (&Vector<2>, &Vector<2>)| {
+                        let r = around(x);
+                        [r.norm(), (r[0] * v[1] - r[1] * v[0]) / r.norm()]
+                    };
+                    let mut profile: Vec<[f64; 2]> = look.particles().map(tangential).collect();
+                    profile.sort_by(|a, b| a[0].total_cmp(&b[0]));
+                    profiles.push((t, profile));
+                }
+                if [8, 40].contains(&times.len()) {
+                    clouds.push(Cloud {
+                        window: Window {
+                            title: format!("t = {t:.1} s"),
+                            ends: [-1.05, 1.05, -1.05, 1.05],
+                            labels: ["x / R".into(), "y / R".into()],
+                        },
+                        position: look.position.iter().map(|x| (around(x) / RADIUS).into()).collect(),
+                        value: look.velocity.iter().map(|v| v.norm()).collect(),
+                        size: look.plan.cutoff / 3.0 / RADIUS,
+                    });
+                }
+                times.push(t);
+                errors.push(if t > 0.0 { look.rms(wrong) } else { 0.0 });
+                true
+            })?;
+            let from = times.iter().position(|&t| t >= FROM - 1e-9).unwrap_or(0);
+            let worst = errors[from..].iter().copied().fold(0.0, f64::max);
+            let mut rows = vec![
+                judged(format!("worst error from t = {FROM} s on"), worst, None, LIMIT),
+                judged("error at the end".into(), errors.last().copied().unwrap_or(f64::NAN), None, LIMIT),
+            ];
+            rows.extend(end.rows("R = 25 spacings"));
+            let mut traces = Vec::new();
+            let mut curves =
+                vec![Curves::new("error", [("t", times.clone()), ("rms_error", errors.clone())])];
+            let fine: Vec<f64> = (1..=100).map(|k| f64::from(k) / 100.0).collect();
+            for (k, (t, profile)) in profiles.iter().enumerate() {
+                let (r, v): (Vec<f64>, Vec<f64>) = profile.iter().map(|p| (p[0] / RADIUS, p[1])).unzip();
+                let some = |v: &[f64]| v.iter().step_by(20).copied().collect::<Vec<f64>>();
+                let speed: Vec<f64> = fine.iter().map(|&r| exact.speed(r * RADIUS, *t)).collect();
+                traces.push(Trace::new("exact", &fine, &speed, Style::Line, BLACK));
+                traces.push(Trace::new(
+                    &format!("t = {t:.1} s"),
+                    &some(&r),
+                    &some(&v),
+                    Style::Points,
+                    palette(k),
+                ));
+                curves.push(Curves::new(&format!("profile_{k}"), [("r_over_R", r), ("v_over_omega_R", v)]));
             }
-            if [8, 40].contains(&times.len()) {
-                clouds.push(Cloud {
-                    window: Window {
-                        title: format!("t = {t:.1} s"),
-                        ends: [-1.05, 1.05, -1.05, 1.05],
-                        labels: ["x / R".into(), "y / R".into()],
-                    },
-                    position: look.position.iter().map(|x| (around(x) / RADIUS).into()).collect(),
-                    value: look.velocity.iter().map(|v| v.norm()).collect(),
-                    size: look.plan.cutoff / 3.0 / RADIUS,
-                });
-            }
-            times.push(t);
-            errors.push(if t > 0.0 { look.rms(wrong) } else { 0.0 });
-            true
-        })?;
-        let from = times.iter().position(|&t| t >= FROM - 1e-9).unwrap_or(0);
-        let worst = errors[from..].iter().copied().fold(0.0, f64::max);
-        let mut rows = vec![
-            judged(format!("worst error from t = {FROM} s on"), worst, None, LIMIT),
-            judged("error at the end".into(), errors.last().copied().unwrap_or(f64::NAN), None, LIMIT),
-        ];
-        rows.extend(end.rows("R = 25 spacings"));
-        let mut traces = Vec::new();
-        let mut curves = vec![Curves::new("error", [("t", times.clone()), ("rms_error", errors.clone())])];
-        let fine: Vec<f64> = (1..=100).map(|k| f64::from(k) / 100.0).collect();
-        for (k, (t, profile)) in profiles.iter().enumerate() {
-            let (r, v): (Vec<f64>, Vec<f64>) = profile.iter().map(|p| (p[0] / RADIUS, p[1])).unzip();
-            let some = |v: &[f64]| v.iter().step_by(20).copied().collect::<Vec<f64>>();
-            let speed: Vec<f64> = fine.iter().map(|&r| exact.speed(r * RADIUS, *t)).collect();
-            traces.push(Trace::new("exact", &fine, &speed, Style::Line, BLACK));
-            traces.push(Trace::new(&format!("t = {t:.1} s"), &some(&r), &some(&v), Style::Points, palette(k)));
-            curves.push(Curves::new(&format!("profile_{k}"), [("r_over_R", r), ("v_over_omega_R", v)]));
-        }
-        traces.sort_by_key(|trace| trace.style == Style::Points);
-        let percent: Vec<f64> = errors.iter().map(|e| 100.0 * e).collect();
-        let panels = [
-            Plot {
-                title: "a  tangential velocity".into(),
-                x: Ruler::linear("r / R").from(0.0, 1.0),
-                y: Ruler::linear("v / ΩR"),
-                traces,
-            },
-            Plot {
-                title: "b  error".into(),
-                x: Ruler::linear("t (s)"),
-                y: Ruler::linear("rms error / ΩR (%)"),
-                traces: vec![Trace::new("", &times, &percent, Style::Line, palette(0))],
-            },
-        ];
-        let figures = vec![
-            plots(
-                "spinning_cylinder",
-                "Spin-up inside a cylinder",
-                "a: every twentieth particle over the exact solution. b: root mean square error over time.",
-                &panels,
-                2,
-                50.0,
-            ),
-            particles(
-                "spinning_cylinder_particles",
-                "Particles inside the spinning cylinder",
-                "Coloured by speed.",
-                &clouds,
-                "speed / ΩR",
-            ),
-        ];
-        Ok(Findings { rows, curves, figures })
-    })
+            traces.sort_by_key(|trace| trace.style == Style::Points);
+            let percent: Vec<f64> = errors.iter().map(|e| 100.0 * e).collect();
+            let panels = [
+                Plot {
+                    title: "a  tangential velocity".into(),
+                    x: Ruler::linear("r / R").from(0.0, 1.0),
+                    y: Ruler::linear("v / ΩR"),
+                    traces,
+                },
+                Plot {
+                    title: "b  error".into(),
+                    x: Ruler::linear("t (s)"),
+                    y: Ruler::linear("rms error / ΩR (%)"),
+                    traces: vec![Trace::new("", &times, &percent, Style::Line, palette(0))],
+                },
+            ];
+            let figures = vec![
+                plots(
+                    "spinning_cylinder",
+                    "Spin-up inside a cylinder",
+                    "a: every twentieth particle over the exact solution. b: root mean square error over time.",
+                    &panels,
+                    2,
+                    50.0,
+                ),
+                particles(
+                    "spinning_cylinder_particles",
+                    "Particles inside the spinning cylinder",
+                    "Coloured by speed.",
+                    &clouds,
+                    "speed / ΩR",
+                ),
+            ];
+            Ok(Findings { rows, curves, figures })
+        },
+    )
 }
 
 #[cfg(test)]

@@ -33,7 +33,8 @@ fn exact(y: f64, z: f64) -> f64 {
 pub fn square_duct(full: bool) -> Result<Verdict, RunError> {
     timed("duct_3d: square duct in space, Re = 10, from rest to steady (relative L2 error)", || {
         let sides: &[u32] = if full { &[12, 20, 30] } else { &[20] };
-        let (mut rows, mut curves, mut profiles, mut middle) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut rows, mut curves, mut profiles, mut middle) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (k, &side) in sides.iter().enumerate() {
             let shipped =
                 Shipped { model: include_str!("../../models/validation/duct_3d.yaml"), reactions: None };

@@ -26,8 +26,11 @@ impl Curves {
         let names: Vec<&str> = self.columns.iter().map(|c| c.0.as_str()).collect();
         let mut out = names.join(",") + "\n";
         for k in 0..self.columns.iter().map(|c| c.1.len()).max().unwrap_or(0) {
-            let cells: Vec<String> =
-                self.columns.iter().map(|c| c.1.get(k).map_or_else(String::new, |v| format!("{v:.9e}"))).collect();
+            let cells: Vec<String> = self
+                .columns
+                .iter()
+                .map(|c| c.1.get(k).map_or_else(String::new, |v| format!("{v:.9e}")))
+                .collect();
             out.push_str(&cells.join(","));
             out.push('\n');
         }
@@ -65,7 +68,11 @@ pub fn write(verdict: &Verdict, dir: &Path) -> Result<(), RunError> {
         // Writing to a String cannot fail.
         let _ = write!(captions, "\n`{}.png`: {}. {}\n", figure.name, figure.title, figure.caption);
     }
-    if verdict.figures.is_empty() { Ok(()) } else { write_bytes(&dir.join("captions.md"), captions.as_bytes()) }
+    if verdict.figures.is_empty() {
+        Ok(())
+    } else {
+        write_bytes(&dir.join("captions.md"), captions.as_bytes())
+    }
 }
 
 /// Rows as comma-separated text; an empty cell where a number is missing.
@@ -95,9 +102,16 @@ mod tests {
 
     #[test]
     fn rows_and_curves_become_tables() {
-        let stated = Row { quantity: "wall \"time\"".into(), ours: 2.0, limit: f64::INFINITY, ..Row::default() };
-        let failed =
-            Row { quantity: "e, rms".into(), ours: 1.0, published: Some(0.5), error: 1.0, limit: 0.1, ..Row::default() };
+        let stated =
+            Row { quantity: "wall \"time\"".into(), ours: 2.0, limit: f64::INFINITY, ..Row::default() };
+        let failed = Row {
+            quantity: "e, rms".into(),
+            ours: 1.0,
+            published: Some(0.5),
+            error: 1.0,
+            limit: 0.1,
+            ..Row::default()
+        };
         let text = table(&[stated, failed]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[1], "\"wall \"\"time\"\"\",2.000000e0,,,,,stated");

@@ -125,16 +125,31 @@ pub fn across(n: u32) -> Vec<String> {
     vec![format!("particles.spacing={} m", 1.0 / f64::from(n))]
 }
 
-/// Runs the flow of a plane model and looks at it every `every` seconds (and at the start) until `see` has seen
-/// enough (`false`) or the model's end.
+/// When a flow is looked at, and how it steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    /// s.
+    pub every: f64,
+    /// Part of the longest step that is taken.
+    pub share: f64,
+}
+
+impl From<f64> for Pace {
+    fn from(every: f64) -> Pace {
+        Pace { every, share: 1.0 }
+    }
+}
+
+/// Runs the flow of a plane model and looks at it at a pace (and at the start) until `see` has seen enough (`false`)
+/// or the model's end.
 pub fn watch_plane(
     shipped: &Shipped,
     overrides: &[String],
-    every: f64,
+    pace: impl Into<Pace>,
     see: impl FnMut(&Look<2>) -> bool,
 ) -> Result<End, RunError> {
     planned(shipped, overrides, |plan, _| match &plan.arena {
-        Arena::Plane(arena) => watch(arena, plan.model.run.until, every, see),
+        Arena::Plane(arena) => watch(arena, plan.model.run.until, pace.into(), see),
         _ => Err(failed("the model is not plane".into())),
     })
 }
@@ -143,11 +158,11 @@ pub fn watch_plane(
 pub fn watch_space(
     shipped: &Shipped,
     overrides: &[String],
-    every: f64,
+    pace: impl Into<Pace>,
     see: impl FnMut(&Look<3>) -> bool,
 ) -> Result<End, RunError> {
     planned(shipped, overrides, |plan, _| match &plan.arena {
-        Arena::Space(arena) => watch(arena, plan.model.run.until, every, see),
+        Arena::Space(arena) => watch(arena, plan.model.run.until, pace.into(), see),
         _ => Err(failed("the model is not in space".into())),
     })
 }
@@ -155,12 +170,12 @@ pub fn watch_space(
 fn watch<const D: usize>(
     plan: &ParticlePlan<D>,
     until: f64,
-    every: f64,
+    Pace { every, share }: Pace,
     mut see: impl FnMut(&Look<D>) -> bool,
 ) -> Result<End, RunError> {
     let begun = Instant::now();
     let mut flow = Scene::new(plan, 0)?.flow.ok_or_else(|| failed("the model has no flow".into()))?;
-    let longest = flow.step_limit().seconds;
+    let longest = share * flow.step_limit().seconds;
     let looks = (until / every).round().max(1.0) as u32;
     let steps = (until / f64::from(looks) / longest).ceil().max(1.0);
     let dt = until / f64::from(looks) / steps;

@@ -24,6 +24,7 @@ mod table_2_1;
 mod table_2_2;
 mod table_2_3;
 mod taylor_green;
+mod thermostat;
 mod vortices;
 
 use crate::ensemble;
@@ -125,6 +126,11 @@ pub const CASES: &[Case] = &[
         name: "spinning_cylinder",
         what: "spin-up of the fluid inside a cylinder that starts to turn",
         run: cylinder::spin_up,
+    },
+    Case {
+        name: "thermostat",
+        what: "thermal noise in two and three dimensions, both forms of friction: temperature, shape, momentum",
+        run: thermostat::noise,
     },
 ];
 

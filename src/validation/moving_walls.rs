@@ -155,7 +155,8 @@ fn draw(
             traces: vec![Trace::new("", times, &percent, Style::Line, palette(0))],
         },
     ];
-    let caption = "a: one particle of each layer over the exact solution. b: root mean square error over time.";
+    let caption =
+        "a: one particle of each layer over the exact solution. b: root mean square error over time.";
     Findings { rows, curves, figures: vec![plots(wall.name, wall.title, caption, &panels, 2, 50.0)] }
 }
 

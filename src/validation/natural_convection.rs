@@ -103,8 +103,7 @@ fn run(rayleigh: &'static Rayleigh, across: u32) -> Result<Convection, RunError>
         Shipped { model: include_str!("../../models/validation/natural_convection.yaml"), reactions: None };
     let ra = 10f64.powi(rayleigh.exponent);
     let viscosity = SPEED * SIDE * (SCHMIDT / ra).sqrt();
-    let seen: Vec<String> =
-        (0..STATES).rev().map(|k| format!("{} s", rayleigh.until - k)).collect();
+    let seen: Vec<String> = (0..STATES).rev().map(|k| format!("{} s", rayleigh.until - k)).collect();
     let values = [
         format!("particles.spacing={} m", SIDE / f64::from(across)),
         format!("fluid.viscosity={} Pa s", 1000.0 * viscosity),
@@ -177,7 +176,9 @@ fn read(
     add(&mut one.c, field(&carriers, &points, c));
     add(&mut one.v, field(&carriers, &points, v));
     let nodes: Vec<Vector<2>> = (0..one.field.values.len())
-        .map(|k| Vector::from([one.field.x[k % one.field.x.len()], one.field.y[k / one.field.x.len()]]) * SIDE)
+        .map(|k| {
+            Vector::from([one.field.x[k % one.field.x.len()], one.field.y[k / one.field.x.len()]]) * SIDE
+        })
         .collect();
     add(&mut one.field.values, field(&carriers, &nodes, c));
     // Flux out of the cylinder from slopes at its surface, where c is known.
@@ -206,9 +207,10 @@ fn between(x: &[f64], y: &[f64], at: f64) -> f64 {
 
 /// Largest and smallest value.
 fn extremes(values: &[f64]) -> [f64; 2] {
-    values.iter().filter(|v| v.is_finite()).fold([f64::NEG_INFINITY, f64::INFINITY], |[a, b], &v| {
-        [a.max(v), b.min(v)]
-    })
+    values
+        .iter()
+        .filter(|v| v.is_finite())
+        .fold([f64::NEG_INFINITY, f64::INFINITY], |[a, b], &v| [a.max(v), b.min(v)])
 }
 
 /// Root of the mean square of a profile less a table, where both are known.
@@ -247,7 +249,8 @@ fn judge(one: &Convection) -> Vec<Row> {
     let (ours, theirs, exact) = (extremes(&one.v), extremes(&v.every("vy", 1)), extremes(&sv));
     for (k, name) in ["peak", "trough"].into_iter().enumerate() {
         let doubt = (theirs[k] / exact[k] - 1.0).abs() > V_LIMIT;
-        for (reference, source, doubt) in [(theirs[k], "digitised", doubt), (exact[k], "independent", false)] {
+        for (reference, source, doubt) in [(theirs[k], "digitised", doubt), (exact[k], "independent", false)]
+        {
             rows.push(Row {
                 quantity: in_doubt(format!("{what}: {name} of v, {source}"), doubt),
                 ours: ours[k],

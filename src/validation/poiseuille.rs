@@ -64,8 +64,7 @@ pub fn channel(full: bool) -> Result<Verdict, RunError> {
 }
 
 fn run(across: u32, kernel: Option<&str>) -> Result<Channel, RunError> {
-    let shipped =
-        Shipped { model: include_str!("../../models/validation/poiseuille.yaml"), reactions: None };
+    let shipped = Shipped { model: include_str!("../../models/validation/poiseuille.yaml"), reactions: None };
     let spacing = 1.0 / f64::from(across);
     let mut values = vec![
         format!("particles.spacing={spacing} m"),
@@ -135,7 +134,10 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
         let (bins, mean) = averaged(&y, &wrong, channel.across as usize);
         errors.push(Trace::new(&name, &bins, &mean, Style::Line, palette(k)));
         ways.push(Trace::new(&name, &channel.growth[0], &channel.growth[1], Style::Line, palette(k)));
-        curves.push(Curves::new(&format!("profile_{}", channel.across), [("y", y), ("u", u), ("error", wrong)]));
+        curves.push(Curves::new(
+            &format!("profile_{}", channel.across),
+            [("y", y), ("u", u), ("error", wrong)],
+        ));
     }
     profiles.push(Trace::new("exact", &fine, &parabola, Style::Line, BLACK));
     let n: Vec<f64> = ACROSS.iter().map(|&n| f64::from(n)).collect();
@@ -144,11 +146,20 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
     let second: Vec<f64> = n[..shown].iter().map(|n| ours[0] * (20.0 / n).powi(2)).collect();
     curves.push(Curves::new(
         "convergence",
-        [("across", n[..shown].to_vec()), ("error", ours.clone()), ("published", PRINTED[0].1[..shown].to_vec())],
+        [
+            ("across", n[..shown].to_vec()),
+            ("error", ours.clone()),
+            ("published", PRINTED[0].1[..shown].to_vec()),
+        ],
     ));
     let u = || Ruler::linear("u / U");
     let panels = [
-        Plot { title: "a  velocity".into(), x: Ruler::linear("y / W").from(0.0, 1.0), y: u(), traces: profiles },
+        Plot {
+            title: "a  velocity".into(),
+            x: Ruler::linear("y / W").from(0.0, 1.0),
+            y: u(),
+            traces: profiles,
+        },
         Plot {
             title: "b  error".into(),
             x: Ruler::linear("y / W").from(0.0, 1.0),
@@ -162,11 +173,22 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
             traces: vec![
                 Trace::new("GilleSPH", &n[..shown], &ours, Style::Line, BLACK),
                 Trace::new("", &n[..shown], &ours, Style::Points, BLACK),
-                Trace::new("Jacob et al. 2021", &n[..shown], &PRINTED[0].1[..shown], Style::Points, palette(3)),
+                Trace::new(
+                    "Jacob et al. 2021",
+                    &n[..shown],
+                    &PRINTED[0].1[..shown],
+                    Style::Points,
+                    palette(3),
+                ),
                 Trace::new("second order", &n[..shown], &second, Style::Dashed, GREY),
             ],
         },
-        Plot { title: "d  from rest".into(), x: Ruler::linear("t (s)"), y: Ruler::linear("mean u / U"), traces: ways },
+        Plot {
+            title: "d  from rest".into(),
+            x: Ruler::linear("t (s)"),
+            y: Ruler::linear("mean u / U"),
+            traces: ways,
+        },
     ];
     let figure = plots(
         "poiseuille",

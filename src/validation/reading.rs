@@ -24,13 +24,18 @@ pub struct Reading {
     pub slope: Vector<2>,
 }
 
-/// Velocities of a flow at `points`, m/s; not a number where too few particles are near.
+/// Velocities of a flow at `points`, m/s; `known` are places of walls and their velocities. Not a number where too few
+/// particles are near.
 #[must_use]
-pub fn velocities(look: &Look<2>, points: &[Vector<2>]) -> Vec<Vector<2>> {
+pub fn velocities(look: &Look<2>, points: &[Vector<2>], known: &[(Vector<2>, Vector<2>)]) -> Vec<Vector<2>> {
     let kernel = look.plan.kernel();
     let carriers = Carriers { positions: &look.position, domain: &look.plan.domain, kernel: &kernel };
-    let both = [0, 1].map(|axis| field(&carriers, points, |i| look.velocity[i][axis]));
-    both[0].iter().zip(&both[1]).map(|(&u, &v)| Vector::from([u, v])).collect()
+    let component = |axis: usize| {
+        let known: Vec<(Vector<2>, f64)> = known.iter().map(|(x, v)| (*x, v[axis])).collect();
+        readings(&carriers, points, &known, |i| look.velocity[i][axis])
+    };
+    let [u, v] = [component(0), component(1)];
+    u.iter().zip(&v).map(|(u, v)| Vector::from([u.value, v.value])).collect()
 }
 
 /// A field of the particles at `points`.

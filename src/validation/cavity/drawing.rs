@@ -104,7 +104,8 @@ pub fn draw(found: &[Steady]) -> (Vec<Curves>, Vec<Figure>) {
 
 /// Stream lines of the whole cavity, and of its lower corners closer.
 fn streamlines(one: &Steady) -> Figure {
-    let strongest = one.psi.values.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let strongest =
+        one.psi.values.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let levels = |main: &[f64], counter: &[f64]| -> Vec<(f64, Colour)> {
         let main = main.iter().map(|part| (part * strongest, palette(0)));
         let counter = counter.iter().map(|part| (-part * strongest, palette(1)));
@@ -123,7 +124,8 @@ fn streamlines(one: &Steady) -> Figure {
             marks.push([[wall, extent.height], [x, extent.height]]);
         }
     }
-    let panel = |window, levels, marks| Levels { window, field: one.psi.clone(), levels, solid: Vec::new(), marks };
+    let panel =
+        |window, levels, marks| Levels { window, field: one.psi.clone(), levels, solid: Vec::new(), marks };
     level_lines(
         &format!("cavity_streamlines_re{}_{}", one.reynolds, one.side),
         &format!("Stream lines of the lid-driven cavity, {}", name(one)),

@@ -38,9 +38,17 @@ pub fn draw(found: &[Convection]) -> (Vec<Curves>, Vec<Figure>) {
             curves.push(Curves::new(&format!("profile_ra1e{exponent}_{}", one.across), columns));
         }
         let x = || Ruler::linear("x / L").from(0.6, 1.0);
-        let title = |letter: &str| format!("{letter}, Ra = 10{}", ["⁴", "⁵", "⁶"][(exponent - 4).clamp(0, 2) as usize]);
-        panels.push(Plot { title: title("concentration"), x: x(), y: Ruler::linear("c / c of the cylinder"), traces: c });
-        panels.push(Plot { title: title("upward velocity"), x: x(), y: Ruler::linear("v L / ν"), traces: v });
+        let title = |letter: &str| {
+            format!("{letter}, Ra = 10{}", ["⁴", "⁵", "⁶"][(exponent - 4).clamp(0, 2) as usize])
+        };
+        panels.push(Plot {
+            title: title("concentration"),
+            x: x(),
+            y: Ruler::linear("c / c of the cylinder"),
+            traces: c,
+        });
+        panels
+            .push(Plot { title: title("upward velocity"), x: x(), y: Ruler::linear("v L / ν"), traces: v });
     }
     figures.push(plots(
         "natural_convection",
@@ -53,7 +61,11 @@ pub fn draw(found: &[Convection]) -> (Vec<Curves>, Vec<Figure>) {
     for one in found {
         let levels = (1..=19).map(|k| f64::from(k) / 20.0).map(|c| (c, viridis(0.9 * c))).collect();
         let window = Window {
-            title: format!("Ra = 10{}, {1} x {1}", ["⁴", "⁵", "⁶"][(one.rayleigh.exponent - 4).clamp(0, 2) as usize], one.across),
+            title: format!(
+                "Ra = 10{}, {1} x {1}",
+                ["⁴", "⁵", "⁶"][(one.rayleigh.exponent - 4).clamp(0, 2) as usize],
+                one.across
+            ),
             ends: [0.0, 1.0, 0.0, 1.0],
             labels: ["x / L".into(), "y / L".into()],
         };
@@ -68,7 +80,11 @@ pub fn draw(found: &[Convection]) -> (Vec<Curves>, Vec<Figure>) {
                 solid: vec![disc([0.5, 0.5], RADIUS)],
                 marks: Vec::new(),
             }],
-            &[("c = 0.25".into(), viridis(0.225)), ("0.5".into(), viridis(0.45)), ("0.75".into(), viridis(0.675))],
+            &[
+                ("c = 0.25".into(), viridis(0.225)),
+                ("0.5".into(), viridis(0.45)),
+                ("0.75".into(), viridis(0.675)),
+            ],
         ));
     }
     (curves, figures)
