@@ -134,7 +134,10 @@ pub fn conclude(
         bounces: flow.map(|f| f.bounces),
         largest_mach: flow.map(|f| f.largest_mach),
         largest_density_change: flow.map(|f| f.largest_density_change),
-        warnings: joined(earlier.warnings, tally.warnings()),
+        warnings: joined(
+            earlier.warnings,
+            plan.warnings.iter().map(|warning| warning.line()).chain(tally.warnings()).collect(),
+        ),
     };
     record.health.absorb_flow(&earlier_flow, record.steps.shared_flow);
     let performance = &mut record.performance;
@@ -440,7 +443,14 @@ fn probes(plan: &Plan) -> Vec<ProbeRecord> {
             let kind = match probe.shape {
                 ProbeShape::Line { .. } => "line",
                 ProbeShape::Ring { .. } => "ring",
+                ProbeShape::Surface { .. } => "surface",
             };
+            if kind == "surface" {
+                quantities = sampling::probe::supplied(plan, probe)
+                    .into_iter()
+                    .map(|s| (sampling::probe::supply_name(plan, s), "mol/s".into()))
+                    .collect();
+            }
             if kind == "line" && probe.velocity && moving {
                 for axis in 0..d {
                     quantities.insert(format!("v{}", crate::model::names::axis_name(axis)), "m/s".into());

@@ -45,6 +45,16 @@ impl Fault {
         Fault { place: Some(place.clone()), reason: reason.into(), remedy: remedy.into() }
     }
 
+    /// The fault on one line, for lists of warnings.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let place = self.place.as_ref();
+        let place =
+            place.map_or_else(String::new, |p| format!("{}:{}:{}  ", p.source.path, p.line, p.column));
+        let remedy = if self.remedy.is_empty() { String::new() } else { format!("; {}", self.remedy) };
+        format!("{place}{}{remedy}", self.reason)
+    }
+
     /// A fault that belongs to no place in a file (a command-line option, a missing file).
     pub fn general(reason: impl Into<String>, remedy: impl Into<String>) -> Fault {
         Fault { place: None, reason: reason.into(), remedy: remedy.into() }

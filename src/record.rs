@@ -124,7 +124,7 @@ pub struct ReactionRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProbeRecord {
     pub name: String,
-    /// `line` (s in m) or `ring` (s = angle in rad).
+    /// `line` (s in m), `ring` (s = angle in rad) or `surface` (s = 0).
     pub kind: String,
     /// Quantities it records and their units, e.g. `L` -> `mol/m^3`, `vx` -> `m/s`, `occupancy` -> `1`.
     pub quantities: BTreeMap<String, String>,

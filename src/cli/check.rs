@@ -122,6 +122,9 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
             ));
         }
     }
+    for warning in &plan.warnings {
+        line(format!("  warning: {}", warning.to_string().trim_end()));
+    }
     if let Some(warning) = ready.coarse() {
         line(format!("  warning: {warning}"));
     }

@@ -84,13 +84,18 @@ impl<const D: usize> Flow<D> {
                 self.tally.penetrations
             ));
         }
+        // Ten times the largest speed, and what makes the density change by 1 %, which falls with c0².
+        let c = self.sound_speed;
+        let enough = (10.0 * self.tally.largest_speed).max(c * (change / 0.01).sqrt());
         if mach > 0.2 {
-            warnings
-                .push(format!("largest Mach number {mach:.2}: raise the sound speed or the reference speed"));
+            warnings.push(format!(
+                "largest Mach number {mach:.2} ({:.3e} m/s at a sound speed of {c:.3e} m/s), above 0.2: set fluid.sound_speed: {enough:.2e} m/s",
+                self.tally.largest_speed
+            ));
         }
         if change > 0.05 {
             warnings.push(format!(
-                "density changed by {:.1} %: raise the sound speed or the pressure scale",
+                "density changed by {:.1} % at a sound speed of {c:.3e} m/s, above 5 %: set fluid.sound_speed: {enough:.2e} m/s",
                 100.0 * change
             ));
         }

@@ -257,7 +257,7 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Opt
 }
 
 /// The wall that a node names: a group, or a side of the box that is not periodic.
-fn wall_named(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<WallName> {
+pub(super) fn wall_named(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<WallName> {
     let name = node.text(faults)?;
     for axis in 0..domain.dimensions {
         for upper in [false, true] {

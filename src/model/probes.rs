@@ -1,5 +1,6 @@
-//! The `probes:` of an output: lines and rings.
+//! The `probes:` of an output: lines, rings and surfaces.
 
+use super::conditions::{WallName, What, wall_named};
 use super::domain::{Domain, ParticleDomain};
 use super::names::{axis_name, group_index, pad, species_named};
 use super::node::Node;
@@ -26,6 +27,8 @@ pub enum ProbeShape {
     Line { from: Vector<3>, to: Vector<3>, points: usize },
     /// Sectors of a ring (2D) in which the particles of a group are summed; angle 0 along +x, counter-clockwise.
     Ring { centre: Vector<3>, inner: f64, outer: f64, sectors: usize, group: Option<usize> },
+    /// What passes a surface that holds, lets in or takes up molecules: net amount that enters, in time.
+    Surface { wall: WallName },
 }
 
 /// Reads the probes of an output.
@@ -39,6 +42,7 @@ pub(super) fn read(node: &Node, domain: &Domain, network: &Network, faults: &mut
     for (key, node) in fields.entries() {
         let Some(mut fields) = Fields::of(node, "probe", faults) else { continue };
         let (line, ring) = (fields.optional("line"), fields.optional("ring"));
+        let surface = fields.optional("surface");
         let species = match fields.optional("species") {
             None => Some((0..network.species.len()).collect()),
             Some(n) => n
@@ -50,13 +54,14 @@ pub(super) fn read(node: &Node, domain: &Domain, network: &Network, faults: &mut
             Some(n) => n.boolean(faults),
         };
         fields.finish(faults);
-        let shape = match (line, ring) {
-            (Some(n), None) => read_line(n, particles, faults),
-            (None, Some(n)) => read_ring(n, particles, domain, faults),
+        let shape = match (line, ring, surface) {
+            (Some(n), None, None) => read_line(n, particles, faults),
+            (None, Some(n), None) => read_ring(n, particles, domain, faults),
+            (None, None, Some(n)) => read_surface(n, particles, faults),
             _ => {
                 faults.at(
                     &node.place,
-                    "a probe is a line or a ring",
+                    "a probe is a line, a ring or a surface",
                     "for example line: { from: [0, 0], to: [1 um, 0], points: 101 }",
                 );
                 None
@@ -67,6 +72,25 @@ pub(super) fn read(node: &Node, domain: &Domain, network: &Network, faults: &mut
         }
     }
     found
+}
+
+fn read_surface(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<ProbeShape> {
+    let wall = wall_named(node, domain, faults)?;
+    let acts = domain.conditions.iter().any(|condition| match &condition.what {
+        What::HeldSurface { wall: at, .. }
+        | What::Flux { wall: at, .. }
+        | What::Absorbing { wall: at, .. } => *at == wall,
+        _ => false,
+    });
+    if !acts {
+        faults.at(
+            &node.place,
+            "no molecules pass this surface",
+            "give it a condition: held (at: surface), flux or absorbing",
+        );
+        return None;
+    }
+    Some(ProbeShape::Surface { wall })
 }
 
 fn at_least(

@@ -3,6 +3,7 @@
 pub mod chemistry;
 pub mod limits;
 pub mod methods;
+pub mod narrow;
 pub mod particles;
 pub mod start;
 pub mod surfaces;
@@ -24,6 +25,8 @@ pub struct Plan {
     pub arena: Arena,
     /// What the series record, in the order of the table.
     pub columns: Vec<Column>,
+    /// What is not wrong but should be known before a run.
+    pub warnings: Vec<Fault>,
 }
 
 /// One column of the series: a species in a group (`None`: the whole domain).
@@ -100,10 +103,21 @@ impl Plan {
         };
         let reactor = chemistry::reactor(&model, &network, discrete, &groups, &mut faults);
         let columns = chemistry::columns(&model, &reactor, &groups);
-        let plan = Plan { model, network, analysis, reactor, arena, columns };
+        let mut plan = Plan { model, network, analysis, reactor, arena, columns, warnings: Vec::new() };
         start::check(&plan, &mut faults);
         surfaces::check(&plan, &mut faults);
-        if faults.is_empty() { Ok(plan) } else { Err(ModelError::sorted(faults)) }
+        if !faults.is_empty() {
+            return Err(ModelError::sorted(faults));
+        }
+        if let Domain::Particles(domain) = &plan.model.domain {
+            plan.warnings = match &plan.arena {
+                Arena::Compartments(_) => Vec::new(),
+                Arena::Line(particles) => narrow::warnings(&plan.model, domain, particles),
+                Arena::Plane(particles) => narrow::warnings(&plan.model, domain, particles),
+                Arena::Space(particles) => narrow::warnings(&plan.model, domain, particles),
+            };
+        }
+        Ok(plan)
     }
 
     /// Conserved sums in words and their coefficients by species.

@@ -1,12 +1,14 @@
-//! Probes: fields read off along lines, and sums over the sectors of a ring.
+//! Probes: fields read off along lines, sums over the sectors of a ring, and what passes a surface.
 
-use crate::chemistry::AVOGADRO;
+use crate::chemistry::network::{Surface, SurfaceKind};
+use crate::chemistry::{AVOGADRO, Rate};
 use crate::fluid::Interpolator;
 use crate::fluid::interpolate::Carriers;
 use crate::geometry::shape::embed;
-use crate::model::{Probe, ProbeShape};
+use crate::model::{Domain, Probe, ProbeShape};
 use crate::plan::Plan;
 use crate::plan::chemistry::receptor_pairs;
+use crate::plan::surfaces::surfaces;
 use crate::samples::ProbeRows;
 use crate::scene::Scene;
 use crate::vector::Vector;
@@ -28,6 +30,8 @@ enum Reading<const D: usize> {
     Line { species: Vec<Interpolator<D>>, per_amount: Vec<f64> },
     /// For each sector, particles and their share in it, and the volume of all shares (m³).
     Ring { sectors: Vec<(Vec<(u32, f64)>, f64)> },
+    /// For each species that passes: what enters, 1/s, and what leaves of each molecule in voxels, 1/s.
+    Surface { passing: Vec<(usize, f64, Vec<(u32, f64)>)> },
 }
 
 impl<'p, const D: usize> ProbeLens<'p, D> {
@@ -40,6 +44,14 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
                 let (s, place, sectors) = ring(scene, centre, (*inner, *outer), *sectors, *group);
                 ProbeLens { plan, probe, s, place, reading: Reading::Ring { sectors }, velocity: Vec::new() }
             }
+            ProbeShape::Surface { .. } => ProbeLens {
+                plan,
+                probe,
+                s: vec![0.0],
+                place: vec![[0.0; 3]],
+                reading: Reading::Surface { passing: passing(plan, probe, scene) },
+                velocity: Vec::new(),
+            },
         }
     }
 
@@ -70,6 +82,7 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
                     push(&self.plan.reactor.species[s], values);
                 }
             }
+            Reading::Surface { .. } => {}
             Reading::Ring { sectors } => {
                 let sum = |s: usize| -> Vec<f64> {
                     sectors
@@ -92,6 +105,13 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
                 }
             }
         }
+        if let Reading::Surface { passing } = &self.reading {
+            for (s, enters, leaves) in passing {
+                let lost: f64 =
+                    leaves.iter().map(|&(i, rate)| rate * amounts[i as usize * species + s]).sum();
+                push(&supply_name(self.plan, *s), vec![(enters - lost) / AVOGADRO]);
+            }
+        }
         if flow {
             for (name, values) in &self.velocity {
                 push(name, values.clone());
@@ -105,6 +125,61 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
 pub fn occupancy_name(plan: &Plan, bound: usize) -> String {
     let pairs = receptor_pairs(&plan.network, &plan.analysis);
     if pairs.len() == 1 { "occupancy".into() } else { format!("occupancy {}", plan.reactor.species[bound]) }
+}
+
+/// Name of the quantity that tells what enters of a species, mol/s.
+#[must_use]
+pub fn supply_name(plan: &Plan, s: usize) -> String {
+    format!("{} supply", plan.reactor.species[s])
+}
+
+/// The reactions at the surface of a probe: surface and species.
+fn at_surface(plan: &Plan, probe: &Probe) -> Vec<(Surface, usize)> {
+    let (ProbeShape::Surface { wall }, Domain::Particles(domain)) = (&probe.shape, &plan.model.domain) else {
+        return Vec::new();
+    };
+    let walls = surfaces(domain);
+    let found = plan.network.reactions.iter().filter_map(|reaction| match &reaction.rate {
+        Rate::Surface(surface) if walls.get(surface.number) == Some(wall) => {
+            reaction.change().first().map(|&(s, _)| (*surface, s))
+        }
+        _ => None,
+    });
+    found.filter(|(_, s)| probe.species.contains(s)).collect()
+}
+
+/// Species that pass the surface of a probe, each once.
+#[must_use]
+pub fn supplied(plan: &Plan, probe: &Probe) -> Vec<usize> {
+    let mut found: Vec<usize> = at_surface(plan, probe).into_iter().map(|(_, s)| s).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// What enters and leaves through the surface of a probe on one geometry.
+fn passing<const D: usize>(
+    plan: &Plan,
+    probe: &Probe,
+    scene: &Scene<D>,
+) -> Vec<(usize, f64, Vec<(u32, f64)>)> {
+    let reactions = at_surface(plan, probe);
+    let of = |s: usize| {
+        let (mut enters, mut leaves) = (0.0, Vec::new());
+        for (surface, _) in reactions.iter().filter(|(_, other)| *other == s) {
+            for facing in scene.facing(surface.number, plan.reactor.habitat[s]) {
+                let volume = scene.volumes[facing.voxel as usize];
+                let diffusivity = plan.reactor.diffusivity[s];
+                let weight = surface.kind.weight(volume, facing.area, facing.distance, diffusivity);
+                match surface.kind {
+                    SurfaceKind::Absorption(_) => leaves.push((facing.voxel, weight)),
+                    SurfaceKind::Flux(_) | SurfaceKind::Held(_) => enters += weight,
+                }
+            }
+        }
+        (s, enters, leaves)
+    };
+    supplied(plan, probe).into_iter().map(of).collect()
 }
 
 fn line<'p, const D: usize>(
