@@ -104,7 +104,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "natural_convection",
-        what: "hot cylinder in a cold square, Ra 1e4, 100 x 100 (--full: to Ra 1e6 and 200 x 200)",
+        what: "hot cylinder in a cold square, Ra 1e4, to 100 x 100 (--full: to Ra 1e6 and 200 x 200)",
         run: natural_convection::cylinder,
     },
     Case {

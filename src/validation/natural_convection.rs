@@ -26,6 +26,8 @@ const SCHMIDT: f64 = 0.7;
 const RADIUS: f64 = 0.1;
 /// States that are averaged over the end, one a free-fall time apart.
 const STATES: u32 = 6;
+/// Coarser runs are stated only.
+const JUDGED_FROM: u32 = 100;
 /// Root mean square error of c, and relative error of the peak and trough of v and of the Nusselt number, that pass.
 const C_LIMIT: f64 = 0.008;
 const V_LIMIT: f64 = 0.04;
@@ -61,7 +63,7 @@ macro_rules! rayleigh {
 }
 
 const RAYLEIGH: [Rayleigh; 3] = [
-    rayleigh!(4, 30, [0.0141, 18.04, -14.44], 2.07),
+    rayleigh!(4, 20, [0.0141, 18.04, -14.44], 2.07),
     rayleigh!(5, 40, [0.0183, 94.60, -63.70], 3.83),
     rayleigh!(6, 60, [0.0217, 232.7, -196.6], 6.11),
 ];
@@ -80,13 +82,13 @@ struct Convection {
     field: GridField,
 }
 
-/// Ra = 1e4 with 100 x 100 particles (in full 1e5, 1e6 and 200 x 200 too).
+/// Ra = 1e4 with 50 x 50 (stated) and 100 x 100 particles (in full 1e5, 1e6 and 200 x 200 too).
 pub fn cylinder(full: bool) -> Result<Verdict, RunError> {
     timed("natural_convection: hot cylinder in a cold square, Sc = 0.7 (v in ν/L)", || {
         let (mut rows, mut found) = (Vec::new(), Vec::new());
         for (k, rayleigh) in RAYLEIGH.iter().enumerate() {
-            for across in [100, 200] {
-                if full || (k == 0 && across == 100) {
+            for across in [50, 100, 200] {
+                if full || (k == 0 && across < 200) {
                     let one = run(rayleigh, across)?;
                     rows.extend(judge(&one));
                     found.push(one);
@@ -273,7 +275,40 @@ fn judge(one: &Convection) -> Vec<Row> {
         error: (one.nusselt / nusselt - 1.0).abs(),
         limit: V_LIMIT,
     });
+    if one.across < JUDGED_FROM {
+        rows.iter_mut().for_each(|row| row.limit = f64::INFINITY);
+    }
     rows.push(stated(format!("{what}: ended at t U/L"), one.end.time));
     rows.extend(one.end.rows(&what));
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_read_between_their_points() {
+        let (x, y) = ([0.0, 1.0, 3.0], [0.0, 2.0, -2.0]);
+        assert_eq!((between(&x, &y, 0.5), between(&x, &y, 2.0)), (1.0, 0.0));
+        assert!(between(&x, &y, 4.0).is_nan());
+        assert_eq!(extremes(&[f64::NAN, 2.0, -2.0]), [2.0, -2.0]);
+        // Off by 0.5 at the one point that is known.
+        assert_eq!(rms(&x, &y, &[0.5, 7.0], &[0.5, 0.0]), 0.5);
+    }
+
+    #[test]
+    fn digitised_data_are_in_doubt_where_the_independent_solution_leaves_them() {
+        for (rayleigh, doubt) in
+            RAYLEIGH.iter().zip([[false, false, true], [false, true, false], [true, true, true]])
+        {
+            let solved = Table::read(rayleigh.solved);
+            let [sx, sc, sv] = ["x", "c", "vy"].map(|name| solved.every(name, 1));
+            let (c, v) = (Table::read(rayleigh.digitised_c), Table::read(rayleigh.digitised_v));
+            let (theirs, exact) = (extremes(&v.every("vy", 1)), extremes(&sv));
+            let off = |k: usize| (theirs[k] / exact[k] - 1.0).abs() > V_LIMIT;
+            let c_off = rms(&sx, &sc, &c.every("x", 1), &c.every("c", 1)) > C_LIMIT;
+            assert_eq!([c_off, off(0), off(1)], doubt, "Ra 1e{}", rayleigh.exponent);
+        }
+    }
 }
