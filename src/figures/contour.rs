@@ -45,10 +45,10 @@ impl GridField {
             let mut line = vec![self.crossing(start, value)];
             let mut here = start;
             while let Some(next) = links.get_mut(&here).and_then(Vec::pop) {
-                if let Some(back) = links.get_mut(&next) {
-                    if let Some(k) = back.iter().position(|edge| *edge == here) {
-                        back.swap_remove(k);
-                    }
+                if let Some(back) = links.get_mut(&next)
+                    && let Some(k) = back.iter().position(|edge| *edge == here)
+                {
+                    back.swap_remove(k);
                 }
                 line.push(self.crossing(next, value));
                 here = next;

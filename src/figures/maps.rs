@@ -1,6 +1,6 @@
 //! Maps of a plane flow: particles coloured by a value, level lines.
 
-use super::colours::{BLACK, Colour, GREY, PALE};
+use super::colours::{Colour, GREY, PALE, WHITE};
 use super::contour::GridField;
 use super::drawing::LABEL;
 use super::painting::{Bar, colour_bar};
@@ -66,10 +66,22 @@ pub fn particles(name: &str, title: &str, caption: &str, clouds: &[Cloud], label
         for (place, value) in cloud.position.iter().zip(&cloud.value) {
             d.circle(panel.at(place[0], place[1]), radius, super::colours::viridis(value / high));
         }
+        trim(&mut d, &panel, radius);
         panel.axes(&mut d, &cloud.window.title);
     }
     colour_bar(&mut d, width + 2.0, TOP, SIDE, &bar);
     Figure { name: name.into(), title: title.into(), caption: caption.into(), drawing: d, raster: true }
+}
+
+/// Takes away what reaches out of the frame by up to `width`, mm.
+fn trim(d: &mut Drawing, panel: &Panel, width: f64) {
+    let (l, t, w, h) = (panel.left, panel.top, panel.width, panel.height);
+    for corner in [[l - width, t - width], [l - width, t + h]] {
+        d.rectangle(corner, [w + 2.0 * width, width], WHITE);
+    }
+    for corner in [[l - width, t], [l + w, t]] {
+        d.rectangle(corner, [width, h], WHITE);
+    }
 }
 
 /// Level lines of one panel: the field, and the levels with their colours.
@@ -134,6 +146,3 @@ pub fn disc(centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let corner = |k: u32| std::f64::consts::TAU * f64::from(k) / 120.0;
     (0..=120).map(|k| [centre[0] + radius * corner(k).cos(), centre[1] + radius * corner(k).sin()]).collect()
 }
-
-/// The colour of lines that mean nothing but themselves.
-pub const PLAIN: Colour = BLACK;

@@ -84,8 +84,8 @@ pub fn draw(found: &[Steady]) -> (Vec<Curves>, Vec<Figure>) {
         "Velocity on the centrelines of the lid-driven cavity",
         "Lines: means over the last 5 L/U. Circles: Ghia, Ghia & Shin (1982).",
         &panels,
-        2,
-        52.0,
+        3,
+        44.0,
     )];
     for one in found {
         figures.push(streamlines(one));
