@@ -151,6 +151,53 @@ fn of_a_graph(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case]
 }
 
 #[rstest]
+#[case::unknown_method("method: sph_bvf", "method: magic", "m.yaml:14:18", &["not one of sph_bvf, sdpd, sph, none"])]
+#[case::cold("1 mm/s }", "1 mm/s, temperature: -3 K }", "m.yaml:14:97", &["expected a positive temperature"])]
+#[case::temperature_of_another_dimension("1 mm/s }", "1 mm/s, temperature: 3 s }", "m.yaml:14:97", &["expected a temperature (K), found a time"])]
+#[case::one_component("1 mm/s }", "1 mm/s, velocity: [1 mm/s] }", "m.yaml:14:94", &["expected 2 components, found 1", "expression of x, y, z"])]
+#[case::velocity_of_another_dimension("1 mm/s }", "1 mm/s, velocity: [\"1 mm * sin(x / 1 um)\", 0] }", "m.yaml:14:96", &["velocity"])]
+#[case::velocity_of_unknown("1 mm/s }", "1 mm/s, velocity: [\"1 mm/s * sin(q)\", 0] }", "m.yaml:14:109", &["unknown name \"q\""])]
+#[case::courant("1 mm/s }", "1 mm/s, options: { courant: 2 } }", "m.yaml:14:104", &["a Courant number of 2", "no step above 1"])]
+#[case::density_rate("1 mm/s }", "1 mm/s, options: { density_rate: print } }", "m.yaml:14:109", &["not one of default, printed"])]
+#[case::unknown_option("1 mm/s }", "1 mm/s, options: { shfit: 5 } }", "m.yaml:14:95", &["unknown key", "shift"])]
+fn of_fluids(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {
+    check(&refused(PARTICLES, from, to, &[]), place, words);
+}
+
+#[rstest]
+#[case::no_gravity("buoyancy: { species: A, expansion: 1 m^3/mol }", "m.yaml:15:30", &["\"gravity\" is missing"])]
+#[case::expansion_of_another_dimension("buoyancy: { species: A, expansion: 1 uM, gravity: [0, -10 m/s^2] }", "m.yaml:15:55", &["found a concentration"])]
+#[case::lifted_by_unknown("buoyancy: { species: Q, expansion: 1 m^3/mol, gravity: [0, -10 m/s^2] }", "m.yaml:15:41", &["unknown species"])]
+#[case::held_what_stays("held: { in: y_min, species: { B: 1 uM } }", "m.yaml:15:26", &["does not diffuse", "hold the particles"])]
+#[case::held_molecules_at_a_side("held: { in: y_min, species: { A: 100 } }", "m.yaml:15:26", &["holds one concentration", "A: 1 uM"])]
+#[case::held_at_a_periodic_side("held: { in: x_min, species: { A: 1 uM } }", "m.yaml:15:32", &["periodic along x"])]
+#[case::held_surface_of_the_medium("held: { in: medium, at: surface, species: { A: 1 uM } }", "m.yaml:15:32", &["no surface of its own"])]
+fn of_buoyancy_and_held_surfaces(#[case] condition: &str, #[case] place: &str, #[case] words: &[&str]) {
+    let with = format!("conditions: {{ c: {{ {condition} }} }}\ninitial:");
+    check(&refused(PARTICLES, "initial:", &with, &[]), place, words);
+}
+
+#[test]
+fn buoyancy_without_a_flow() {
+    let message = refused(
+        &PARTICLES.replace(
+            "initial:",
+            "conditions: { c: { buoyancy: { species: A, expansion: 1 m^3/mol, gravity: [0, 1 m/s^2] } } }\ninitial:",
+        ),
+        "fluid: { method: sph_bvf, density: 1000 kg/m^3, viscosity: 1 mPa s, speed: 1 mm/s }",
+        "fluid: { method: none }",
+        &[],
+    );
+    check(&message, "m.yaml:15:30", &["none moves here", "`fluid:`"]);
+}
+
+#[test]
+fn a_probe_of_a_surface_that_nothing_passes() {
+    let message = refused(PARTICLES, "every: 1 us", "every: 1 us, probes: { p: { surface: y_min } }", &[]);
+    check(&message, "m.yaml:17:48", &["no molecules pass this surface", "held (at: surface)"]);
+}
+
+#[rstest]
 #[case::side_of_a_periodic_axis("flux: { in: x_min, species: { A: 1 /um^2/s } }", "m.yaml:15:32", &["periodic along x", "no wall"])]
 #[case::negative_flux("flux: { in: y_min, species: { A: -1 /um^2/s } }", "m.yaml:15:53", &["may not be negative"])]
 #[case::flux_of_another_dimension("flux: { in: y_min, species: { A: 1 uM } }", "m.yaml:15:53", &["found a concentration"])]

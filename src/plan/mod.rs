@@ -1,6 +1,7 @@
 //! A checked model compiled into what the stepping needs: reactor, particles, bodies, columns to observe.
 
 pub mod chemistry;
+mod lift;
 pub mod limits;
 pub mod methods;
 pub mod narrow;
@@ -13,6 +14,7 @@ use crate::chemistry::{Links, Network, Reactor};
 use crate::error::{Fault, ModelError};
 use crate::model::{Domain, Method, Model};
 
+pub use lift::Lift;
 pub use particles::ParticlePlan;
 
 /// A model ready to run.

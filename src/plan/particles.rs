@@ -6,7 +6,7 @@ use crate::fluid::{
 };
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Shape, fill};
-use crate::model::conditions::{Expansion, WallMotion, WallName, What};
+use crate::model::conditions::{WallMotion, WallName, What};
 use crate::model::fluid::Velocity;
 use crate::model::groups::Group;
 use crate::model::names::axis_name;
@@ -46,7 +46,7 @@ pub struct ParticlePlan<const D: usize> {
     /// Of the fluid at the start.
     pub velocity: Velocity,
     /// Species that make the fluid lighter or heavier.
-    pub lifts: Vec<Lift<D>>,
+    pub lifts: Vec<super::Lift<D>>,
     /// How long the flow runs before t = 0, s.
     pub settle: f64,
     /// Smallest spacing, m.
@@ -68,22 +68,10 @@ pub struct HeldPlan {
     pub deal: Deal,
 }
 
-/// Buoyancy by one species (Boussinesq): acceleration -expansion (C - reference) gravity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lift<const D: usize> {
-    pub species: usize,
-    /// Relative fall of the density per concentration, m³/mol.
-    pub expansion: f64,
-    /// Concentration at which there is none, mol/m³.
-    pub reference: f64,
-    /// m/s².
-    pub gravity: Vector<D>,
-}
-
 /// k, J/K (exact, SI).
 const BOLTZMANN: f64 = 1.380_649e-23;
 
-fn narrow<const D: usize>(x: &Vector<3>) -> Vector<D> {
+pub(super) fn narrow<const D: usize>(x: &Vector<3>) -> Vector<D> {
     Vector::from_fn(|k, _| x[k])
 }
 
@@ -191,7 +179,7 @@ impl<const D: usize> ParticlePlan<D> {
             surfaces: super::surfaces::surfaces(domain),
             flow: None,
             velocity: domain.fluid.as_ref().map_or_else(Velocity::default, |fluid| fluid.velocity.clone()),
-            lifts: lifts(domain),
+            lifts: super::lift::lifts(domain),
             settle: domain.fluid.as_ref().map_or(0.0, |fluid| fluid.settle),
             finest: domain.groups.iter().map(|group| group.spacing).fold(domain.spacing, f64::min),
         };
@@ -388,21 +376,6 @@ impl<const D: usize> ParticlePlan<D> {
             }
         }
     }
-}
-
-fn lifts<const D: usize>(domain: &ParticleDomain) -> Vec<Lift<D>> {
-    let mut found = Vec::new();
-    for condition in &domain.conditions {
-        if let What::Buoyancy { gravity, species } = &condition.what {
-            found.extend(species.iter().map(|&Expansion { species, expansion, reference }| Lift {
-                species,
-                expansion,
-                reference,
-                gravity: narrow(gravity),
-            }));
-        }
-    }
-    found
 }
 
 fn motion<const D: usize>(domain: &ParticleDomain, wall: WallName) -> Motion<D> {

@@ -27,11 +27,26 @@ pub struct ProbeLens<'p, const D: usize> {
 
 enum Reading<const D: usize> {
     /// For each species probed, weights of 1/(N_A V) at each point.
-    Line { species: Vec<Interpolator<D>>, per_amount: Vec<f64> },
+    Line {
+        species: Vec<Interpolator<D>>,
+        per_amount: Vec<f64>,
+    },
     /// For each sector, particles and their share in it, and the volume of all shares (m³).
-    Ring { sectors: Vec<(Vec<(u32, f64)>, f64)> },
-    /// For each species that passes: what enters, 1/s, and what leaves of each molecule in voxels, 1/s.
-    Surface { passing: Vec<(usize, f64, Vec<(u32, f64)>)> },
+    Ring {
+        sectors: Vec<(Vec<(u32, f64)>, f64)>,
+    },
+    Surface {
+        passing: Vec<Passing>,
+    },
+}
+
+/// A species that passes a surface.
+struct Passing {
+    species: usize,
+    /// Molecules that enter, 1/s.
+    enters: f64,
+    /// Share of a voxel's molecules that leaves, 1/s.
+    leaves: Vec<(u32, f64)>,
 }
 
 impl<'p, const D: usize> ProbeLens<'p, D> {
@@ -106,7 +121,7 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
             }
         }
         if let Reading::Surface { passing } = &self.reading {
-            for (s, enters, leaves) in passing {
+            for Passing { species: s, enters, leaves } in passing {
                 let lost: f64 =
                     leaves.iter().map(|&(i, rate)| rate * amounts[i as usize * species + s]).sum();
                 push(&supply_name(self.plan, *s), vec![(enters - lost) / AVOGADRO]);
@@ -158,11 +173,7 @@ pub fn supplied(plan: &Plan, probe: &Probe) -> Vec<usize> {
 }
 
 /// What enters and leaves through the surface of a probe on one geometry.
-fn passing<const D: usize>(
-    plan: &Plan,
-    probe: &Probe,
-    scene: &Scene<D>,
-) -> Vec<(usize, f64, Vec<(u32, f64)>)> {
+fn passing<const D: usize>(plan: &Plan, probe: &Probe, scene: &Scene<D>) -> Vec<Passing> {
     let reactions = at_surface(plan, probe);
     let of = |s: usize| {
         let (mut enters, mut leaves) = (0.0, Vec::new());
@@ -177,7 +188,7 @@ fn passing<const D: usize>(
                 }
             }
         }
-        (s, enters, leaves)
+        Passing { species: s, enters, leaves }
     };
     supplied(plan, probe).into_iter().map(of).collect()
 }

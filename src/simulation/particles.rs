@@ -8,13 +8,10 @@ use super::clock::{Interval, intervals};
 use super::freeze::freeze;
 use super::realization::{Realization, Reservoirs, Surroundings};
 use super::{NotReady, Outcome, Tally, Watch, hybrids, paths};
-use crate::chemistry::network::{Surface, SurfaceKind};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
-use crate::chemistry::{AVOGADRO, Rate};
 use crate::error::RunError;
 use crate::model::Method;
 use crate::plan::limits::{check_euler, check_steps};
-use crate::plan::particles::Lift;
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
 use crate::samples::SeriesBlock;
@@ -22,7 +19,7 @@ use crate::sampling::{Lens, Observed};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::time::Instant;
-use steps::{bounds, estimate};
+use steps::{bounds, buoyant_pull, estimate};
 
 /// A particle plan at t = 0: the flow settled, the steps chosen.
 pub struct Ready<'p, const D: usize> {
@@ -209,39 +206,6 @@ fn settled<const D: usize>(arena: &ParticlePlan<D>, realization: u32) -> Result<
     }
     scene.look();
     Ok(scene)
-}
-
-/// Largest acceleration by buoyancy to be expected, m/s²: the largest difference from the reference among the amounts
-/// at the start, what sponges draw to and what surfaces hold.
-fn buoyant_pull<const D: usize>(
-    plan: &Plan,
-    arena: &ParticlePlan<D>,
-    scene: &Scene<D>,
-    start: &Start,
-) -> f64 {
-    let (count, means) = (plan.reactor.species.len(), start.means());
-    let sponges = Reservoirs::new(plan, scene).sponges;
-    let pull = |lift: &Lift<D>| -> f64 {
-        let s = lift.species;
-        let there = (0..scene.volumes.len()).map(|i| (i, means[i * count + s]));
-        let drawn = sponges
-            .iter()
-            .filter(|sponge| sponge.species == s)
-            .flat_map(|sponge| sponge.voxels.iter().map(|&i| i as usize).zip(sponge.targets.iter().copied()));
-        let concentrations = there
-            .filter(|&(i, _)| plan.reactor.habitat[s].holds(arena.home[i]))
-            .chain(drawn)
-            .map(|(i, n)| n / (AVOGADRO * scene.volumes[i]));
-        let held = plan.network.reactions.iter().filter_map(|reaction| match &reaction.rate {
-            Rate::Surface(Surface { kind: SurfaceKind::Held(c), .. }) if reaction.products[0].0 == s => {
-                Some(*c)
-            }
-            _ => None,
-        });
-        let most = concentrations.chain(held).fold(0.0_f64, |most, c| most.max((c - lift.reference).abs()));
-        lift.gravity.norm() * lift.expansion.abs() * most
-    };
-    arena.lifts.iter().map(pull).sum()
 }
 
 /// The method, if it is event driven; the plan has seen to it that the particles then rest.

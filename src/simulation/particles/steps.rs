@@ -1,10 +1,12 @@
 //! The chemistry steps on particles: what bounds them, what they cost in accuracy, and how a run tells of them.
 
 use super::{Ready, event_driven};
+use crate::chemistry::network::{Surface, SurfaceKind};
 use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
+use crate::chemistry::{AVOGADRO, Rate};
 use crate::model::Integrator;
-use crate::plan::Plan;
 use crate::plan::start::Start;
+use crate::plan::{Lift, ParticlePlan, Plan};
 use crate::quantity::readable::show;
 use crate::record::{StepRecord, StepsRecord};
 use crate::scene::Scene;
@@ -127,4 +129,37 @@ pub(super) fn bounds<const D: usize>(
         }
     }
     step_bounds(&plan.reactor, frozen, &amounts, plan.model.chemistry.hops, plan.model.chemistry.change)
+}
+
+/// Largest acceleration by buoyancy to be expected, m/s²: the largest difference from the reference among the amounts
+/// at the start, what sponges draw to and what surfaces hold.
+pub(super) fn buoyant_pull<const D: usize>(
+    plan: &Plan,
+    arena: &ParticlePlan<D>,
+    scene: &Scene<D>,
+    start: &Start,
+) -> f64 {
+    let (count, means) = (plan.reactor.species.len(), start.means());
+    let sponges = Reservoirs::new(plan, scene).sponges;
+    let pull = |lift: &Lift<D>| -> f64 {
+        let s = lift.species;
+        let there = (0..scene.volumes.len()).map(|i| (i, means[i * count + s]));
+        let drawn = sponges
+            .iter()
+            .filter(|sponge| sponge.species == s)
+            .flat_map(|sponge| sponge.voxels.iter().map(|&i| i as usize).zip(sponge.targets.iter().copied()));
+        let concentrations = there
+            .filter(|&(i, _)| plan.reactor.habitat[s].holds(arena.home[i]))
+            .chain(drawn)
+            .map(|(i, n)| n / (AVOGADRO * scene.volumes[i]));
+        let held = plan.network.reactions.iter().filter_map(|reaction| match &reaction.rate {
+            Rate::Surface(Surface { kind: SurfaceKind::Held(c), .. }) if reaction.products[0].0 == s => {
+                Some(*c)
+            }
+            _ => None,
+        });
+        let most = concentrations.chain(held).fold(0.0_f64, |most, c| most.max((c - lift.reference).abs()));
+        lift.gravity.norm() * lift.expansion.abs() * most
+    };
+    arena.lifts.iter().map(pull).sum()
 }
