@@ -26,7 +26,19 @@ fn printed_operators_are_named_in_the_record() {
 
 #[test]
 fn table_2_1_is_met() {
-    let printed = gillesph(&["validate", "table_2_1"]);
+    let bench = Bench::new();
+    let out = bench.path("validation");
+    let printed = gillesph(&["validate", "table_2_1", "--out", out.to_str().unwrap()]);
     let text = String::from_utf8(printed.stdout).unwrap();
+    let rows = std::fs::read_to_string(out.join("table_2_1/verdict.csv")).unwrap();
+    assert_eq!(rows.lines().count() + 1, text.lines().count(), "{rows}");
     assert!(text.contains("N = 65, our operator") && !text.contains("FAILED"), "{text}");
+}
+
+/// Every model of the published flows is one a user can check.
+#[test]
+fn the_models_are_sound() {
+    for entry in std::fs::read_dir(shipped("models/validation")).unwrap() {
+        gillesph(&["check", entry.unwrap().path().to_str().unwrap()]);
+    }
 }

@@ -77,6 +77,9 @@ enum Verb {
         /// All resolutions, also those that take long
         #[arg(long)]
         full: bool,
+        /// Folder for tables and figures, one folder a case in it
+        #[arg(long, default_value = "reports/validation")]
+        out: PathBuf,
     },
     /// Write a model from a file of another program
     Import {
@@ -152,7 +155,7 @@ fn perform(verb: Verb) -> Result<(), Stop> {
         Verb::Report { dir } => verbs::report(&dir),
         Verb::Merge { out, blocks, force } => verbs::merge(&out, &blocks, force),
         Verb::Network { file, svg, dot } => verbs::network(&file, svg, dot),
-        Verb::Validate { cases, list, full } => verbs::validate(&cases, list, full),
+        Verb::Validate { cases, list, full, out } => verbs::validate(&cases, list, full, &out),
         Verb::Import { format } => import::import(&format),
         Verb::Completions { shell } => {
             verbs::completions(shell, &mut <Arguments as clap::CommandFactory>::command());

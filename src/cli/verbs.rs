@@ -86,7 +86,7 @@ pub(crate) fn network(file: &Path, svg: bool, dot: bool) -> Result<(), Stop> {
     Ok(())
 }
 
-pub(crate) fn validate(names: &[String], list: bool, full: bool) -> Result<(), Stop> {
+pub(crate) fn validate(names: &[String], list: bool, full: bool, out: &Path) -> Result<(), Stop> {
     if list {
         for case in validation::CASES {
             print(&format!("{:<24} {}\n", case.name, case.what));
@@ -117,6 +117,9 @@ pub(crate) fn validate(names: &[String], list: bool, full: bool) -> Result<(), S
     for case in chosen {
         let verdict = (case.run)(full).map_err(Stop::from)?;
         print(&verdict.to_string());
+        let dir = out.join(case.name);
+        validation::write(&verdict, &dir)?;
+        tell!("tables and figures: {}", dir.display());
         failed |= !verdict.passed();
     }
     if failed { Err(Stop::Status(1)) } else { Ok(()) }

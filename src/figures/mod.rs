@@ -5,12 +5,15 @@
 
 mod bitmap;
 pub mod colours;
+pub mod contour;
 mod distributions;
 pub mod drawing;
 mod fields;
+pub mod maps;
 mod overview;
 mod painting;
 pub mod panel;
+pub mod plot;
 mod polar;
 mod probes;
 mod profiles;

@@ -3,15 +3,30 @@
 //! The cases are the models that are shipped, changed only by values a user could give with `--set`.
 
 mod annihilation;
+mod bessel;
+mod cavity;
 mod compact;
 mod compartments;
+mod cylinder;
+mod duct;
+mod findings;
+mod flow;
+mod moving_walls;
+mod natural_convection;
 mod nodes;
 mod pheromone;
+mod poiseuille;
+mod reading;
 mod series;
+mod stream_function;
 mod table;
 mod table_2_1;
 mod table_2_2;
 mod table_2_3;
+mod taylor_green;
+mod thermostat;
+mod verdict;
+mod vortices;
 
 use crate::ensemble;
 use crate::error::RunError;
@@ -20,8 +35,10 @@ use crate::plan::Plan;
 use crate::results::Results;
 use crate::samples::ParticleFrame;
 use crate::simulation::{NotReady, Ready, Watch};
-use std::fmt;
+use findings::Findings;
+pub use findings::{Curves, write};
 use std::path::{Path, PathBuf};
+pub use verdict::{Row, Verdict};
 
 /// A case by name.
 pub struct Case {
@@ -70,63 +87,52 @@ pub const CASES: &[Case] = &[
         run: pheromone::slip,
     },
     Case { name: "pheromone_no_slip", what: "the same with no-slip walls", run: pheromone::no_slip },
+    Case {
+        name: "poiseuille",
+        what: "channel from rest to the parabola, 20 to 80 across (--full: to 320, and the other kernels)",
+        run: poiseuille::channel,
+    },
+    Case {
+        name: "taylor_green",
+        what: "decaying vortices, Re 100, from a lattice of 50 x 50 (--full: 100 x 100, 200 x 200)",
+        run: taylor_green::vortices,
+    },
+    Case {
+        name: "cavity",
+        what: "lid-driven cavity, Re 100, 50 x 50 (--full: 100 x 100; Re 1000; Re 10000 with 200 x 200)",
+        run: cavity::lid,
+    },
+    Case {
+        name: "natural_convection",
+        what: "hot cylinder in a cold square, Ra 1e4, to 100 x 100 (--full: to Ra 1e6 and 200 x 200)",
+        run: natural_convection::cylinder,
+    },
+    Case {
+        name: "duct_3d",
+        what: "square duct in space, 20 x 20 across (--full: 12 x 12 and 30 x 30 too)",
+        run: duct::square_duct,
+    },
+    Case {
+        name: "couette_start",
+        what: "start of plane Couette flow, over the transient",
+        run: moving_walls::couette_start,
+    },
+    Case {
+        name: "stokes_second",
+        what: "oscillating plate (Stokes' second problem) in a channel",
+        run: moving_walls::stokes_second,
+    },
+    Case {
+        name: "spinning_cylinder",
+        what: "spin-up of the fluid inside a cylinder that starts to turn",
+        run: cylinder::spin_up,
+    },
+    Case {
+        name: "thermostat",
+        what: "thermal noise in two and three dimensions, both forms of friction: temperature, shape, momentum",
+        run: thermostat::noise,
+    },
 ];
-
-/// What a case came to.
-#[derive(Clone, Debug, Default)]
-pub struct Verdict {
-    pub case: String,
-    pub rows: Vec<Row>,
-    /// Wall time, s.
-    pub seconds: f64,
-}
-
-/// One number of a case beside what it should be.
-#[derive(Clone, Debug, Default)]
-pub struct Row {
-    pub quantity: String,
-    pub ours: f64,
-    pub published: Option<f64>,
-    pub reference: Option<f64>,
-    /// The error that is judged; `quantity` says which.
-    pub error: f64,
-    /// Largest `error` that passes.
-    pub limit: f64,
-}
-
-impl Verdict {
-    /// Whether every row is within its limit.
-    #[must_use]
-    pub fn passed(&self) -> bool {
-        self.rows.iter().all(|row| row.error <= row.limit)
-    }
-}
-
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} ({:.1} s)", self.case, self.seconds)?;
-        writeln!(
-            f,
-            "  {:<62} {:>11} {:>11} {:>11} {:>10} {:>9}",
-            "quantity", "ours", "published", "reference", "error", "limit"
-        )?;
-        for row in &self.rows {
-            let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |v| format!("{v:.4e}"));
-            let verdict = if row.error <= row.limit { "ok" } else { "FAILED" };
-            writeln!(
-                f,
-                "  {:<62} {:>11.4e} {:>11} {:>11} {:>10.2e} {:>9.1e}  {verdict}",
-                row.quantity,
-                row.ours,
-                number(row.published),
-                number(row.reference),
-                row.error,
-                row.limit
-            )?;
-        }
-        Ok(())
-    }
-}
 
 /// A shipped model: its file, and the reactions file it names, if any.
 struct Shipped {
@@ -134,14 +140,18 @@ struct Shipped {
     reactions: Option<(&'static str, &'static str)>,
 }
 
+/// A plan that could not be made: shipped models have no faults, so this is ours.
+fn failed(reason: String) -> RunError {
+    RunError::File { path: "validation model".into(), reason }
+}
+
 /// Makes a plan of a shipped model with values changed as by `--set`, and hands it on with a folder that is
 /// removed afterwards.
-fn with_plan<T>(
+fn planned<T>(
     shipped: &Shipped,
     overrides: &[String],
-    then: impl FnOnce(&Plan, Ready, &Path) -> Result<T, RunError>,
+    then: impl FnOnce(&Plan, &Path) -> Result<T, RunError>,
 ) -> Result<T, RunError> {
-    let failed = |reason: String| RunError::File { path: "validation model".into(), reason };
     let folder = tempfile::tempdir().map_err(|error| failed(error.to_string()))?;
     let write = |path: &str, text: &str| -> Result<PathBuf, RunError> {
         let path = folder.path().join(path);
@@ -158,11 +168,22 @@ fn with_plan<T>(
     let model = load::model(&path, overrides).map_err(|error| failed(error.to_string()))?;
     let realizations = model.run.realizations;
     let plan = Plan::new(model, realizations).map_err(|error| failed(error.to_string()))?;
-    let ready = Ready::new(&plan).map_err(|error| match error {
-        NotReady::Model(error) => failed(error.to_string()),
-        NotReady::Run(error) => error,
-    })?;
-    then(&plan, ready, folder.path())
+    then(&plan, folder.path())
+}
+
+/// The same, ready to run.
+fn with_plan<T>(
+    shipped: &Shipped,
+    overrides: &[String],
+    then: impl FnOnce(&Plan, Ready, &Path) -> Result<T, RunError>,
+) -> Result<T, RunError> {
+    planned(shipped, overrides, |plan, folder| {
+        let ready = Ready::new(plan).map_err(|error| match error {
+            NotReady::Model(error) => failed(error.to_string()),
+            NotReady::Run(error) => error,
+        })?;
+        then(plan, ready, folder)
+    })
 }
 
 /// Runs a shipped model with values changed as by `--set`, without writing anything but a folder that is removed.
@@ -194,8 +215,11 @@ fn frames(shipped: &Shipped, overrides: &[String]) -> Result<Vec<ParticleFrame>,
 }
 
 /// Runs a case and notes how long it took.
-fn timed(case: &str, rows: impl FnOnce() -> Result<Vec<Row>, RunError>) -> Result<Verdict, RunError> {
+fn timed<F: Into<Findings>>(
+    case: &str,
+    find: impl FnOnce() -> Result<F, RunError>,
+) -> Result<Verdict, RunError> {
     let begun = std::time::Instant::now();
-    let rows = rows()?;
-    Ok(Verdict { case: case.into(), rows, seconds: begun.elapsed().as_secs_f64() })
+    let Findings { rows, curves, figures } = find()?.into();
+    Ok(Verdict { case: case.into(), rows, curves, figures, seconds: begun.elapsed().as_secs_f64() })
 }
