@@ -107,7 +107,7 @@ fn printed_options_run_and_change_what_they_should() {
     // Friction without its factor: a fraction of a per cent on nearly even particles.
     let (rate, _) = vortex(|setup| {
         weak(setup);
-        setup.options.corrected_friction = false;
+        setup.options.corrected = false;
     });
     println!("without the factor of friction: {rate:.4}");
     assert!(rate != plain && (rate - plain).abs() < 0.1, "{rate} {plain}");

@@ -176,7 +176,8 @@ impl<const D: usize> Flow<D> {
         Ok(flow)
     }
 
-    /// Gives every fluid particle the velocity (m/s) `velocity` has at its place (m), and sums the forces anew.
+    /// Gives every fluid particle the velocity (m/s) `velocity` has at its place (m) and the pressure that goes
+    /// with it ([`Flow::balance_pressure`]), and sums the forces anew.
     pub fn set_velocity(&mut self, velocity: impl Fn(&Vector<D>) -> Vector<D>) {
         for (position, side) in self.positions.iter().zip(&mut self.sides) {
             if !side.is_solid() {
@@ -186,6 +187,10 @@ impl<const D: usize> Flow<D> {
         self.carry_solids();
         self.densities();
         self.moments();
+        self.mirrors();
+        self.balance_pressure();
+        self.carry_solids();
+        self.densities();
         self.mirrors();
         self.forces(0.0);
         self.finish(0.0);
@@ -231,11 +236,13 @@ fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
     Terms {
         continuity: match setup.method {
             _ if options.printed_density_rate => Continuity::Printed,
+            // With noise the plain sum, whose adjoint is the pressure force: what is not adjoint heats the bath.
+            Method::SphBvf if options.corrected && setup.noise.is_none() => Continuity::Corrected,
             Method::SphBvf => Continuity::Advected,
             Method::Sdpd | Method::Sph => Continuity::Summed,
         },
         density_diffusion: None,
-        moment: options.corrected_friction.then_some(Moment),
+        moment: options.corrected.then_some(Moment),
         pressure: match setup.method {
             _ if options.pressure_switch => Pressure::Switched,
             Method::SphBvf => Pressure::Weighted,

@@ -12,8 +12,10 @@ use crate::fluid::order::along_a_curve;
 use crate::fluid::pass::{sweep_densities, sweep_forces, sweep_reactions};
 use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
-use crate::fluid::terms::Moment;
+use crate::fluid::terms::continuity::corrected_rate;
+use crate::fluid::terms::{Continuity, Moment};
 use crate::fluid::wall::{Obstacles, carry, mirror};
+use crate::vector::Vector;
 
 /// Relative change of density at which a run is given up.
 const DENSITY_LIMIT: f64 = 0.2;
@@ -210,6 +212,7 @@ impl<const D: usize> Flow<D> {
         let (state, c) = (self.setup.state, self.sound_speed);
         let drift = self.density_drift();
         let corrected = self.terms.moment.is_some();
+        let spread = self.terms.continuity == Continuity::Corrected;
         let (domain, cutoff) = (&self.domain, self.kernel.cutoff());
         let size = Block::<D>::SIZE;
         let (worst, fault) = self
@@ -228,7 +231,11 @@ impl<const D: usize> Flow<D> {
                         side.reach = rates.density;
                         continue;
                     }
-                    side.density += dt * rates.density - drift * own.rest_density;
+                    let mut rate = rates.density;
+                    if spread {
+                        rate += corrected_rate(side.density, &rates.moment, &rates.spread);
+                    }
+                    side.density += dt * rate - drift * own.rest_density;
                     side.pressure = state.pressure(side.density, own.rest_density, c);
                     side.volume = own.mass / side.density;
                     if corrected {
@@ -290,7 +297,8 @@ impl<const D: usize> Flow<D> {
                     let i = block.first + row;
                     if let BodyKind::Solid { motion, .. } = &bodies[sides[i].body as usize].kind {
                         let pull = motion.acceleration(&positions[i], time);
-                        *out = mirror(block, row, (sides, own), sides[i].velocity, pull, gravity);
+                        let wall = |x: &Vector<D>| motion.velocity(&(positions[i] + x), time);
+                        *out = mirror(block, row, (sides, own), wall, pull, gravity);
                     }
                 }
             },

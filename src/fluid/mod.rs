@@ -15,6 +15,7 @@
 //!
 //! Sources: Jacob et al. 2021 (SPH-BVF); Adami, Hu & Adams 2012, 2013; Antuono et al. 2010. All SI.
 
+mod balance;
 pub mod blocks;
 pub mod domain;
 pub mod exchange;

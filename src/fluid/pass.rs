@@ -11,6 +11,7 @@ use crate::fluid::kernel::Kernel;
 use crate::fluid::noise::ThermalNoise;
 use crate::fluid::particles::Side;
 use crate::fluid::symmetric::Symmetric;
+use crate::fluid::terms::continuity::Spread;
 use crate::fluid::terms::{
     Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity, viscosity,
 };
@@ -32,8 +33,25 @@ pub struct Approach<const D: usize> {
     pub x: Vector<D>,
     /// m^-(D+2).
     pub f: f64,
+    /// v_i - v_j, m/s.
+    pub apart: Vector<D>,
     /// (v_i - v_j)·x, the same from both sides; m²/s.
     pub opening: f64,
+}
+
+impl<const D: usize> Approach<D> {
+    /// The same pair seen from j.
+    #[inline(always)]
+    #[must_use]
+    pub fn back(&self) -> Approach<D> {
+        Approach { x: -self.x, apart: -self.apart, ..*self }
+    }
+
+    /// F (v_i - v_j)⊗x, the same from both sides.
+    #[inline(always)]
+    fn spread(&self) -> Spread<D> {
+        self.apart * (self.x * self.f).transpose()
+    }
 }
 
 /// What the sweeps find for one particle.
@@ -43,6 +61,8 @@ pub struct Rates<const D: usize> {
     pub density: f64,
     /// Σ V_j F x⊗x.
     pub moment: Symmetric<D>,
+    /// Σ V_j F (v_i - v_j)⊗x, 1/s.
+    pub spread: Spread<D>,
     /// Force per volume, N/m³.
     pub force: Vector<D>,
     /// Σ 2 V_j F x_ij, 1/m.
@@ -57,7 +77,15 @@ impl<const D: usize> Default for Rates<D> {
     fn default() -> Rates<D> {
         let none = Vector::zeros();
         let moment = Symmetric::identity(0.0);
-        Rates { density: 0.0, moment, force: none, crowding: none, fraction: 0.0, correction: none }
+        Rates {
+            density: 0.0,
+            moment,
+            spread: Spread::zeros(),
+            force: none,
+            crowding: none,
+            fraction: 0.0,
+            correction: none,
+        }
     }
 }
 
@@ -157,21 +185,28 @@ pub fn sweep_densities<const D: usize>(
     block.find(kernel.cutoff(), shortest, positions);
     let first = block.first;
     for rates in rates.iter_mut() {
-        (rates.density, rates.fraction, rates.moment) = (0.0, 0.0, Symmetric::identity(0.0));
+        (rates.density, rates.fraction) = (0.0, 0.0);
+        (rates.moment, rates.spread) = (Symmetric::identity(0.0), Spread::zeros());
     }
+    let corrected = terms.continuity == Continuity::Corrected;
     for row in 0..rates.len() {
         let i = &sides[first + row];
-        let (mut density, mut moment) = (0.0, Symmetric::identity(0.0));
+        let (mut density, mut moment, mut spread) = (0.0, Symmetric::identity(0.0), Spread::zeros());
         for c in block.inner.row_mut(row) {
             let j = &sides[c.j as usize];
             let approach = weigh(c, terms, kernel, i, j);
-            let back = Approach { x: -c.x, ..approach };
+            let back = approach.back();
             let other = &mut rates[c.j as usize - first];
             density += j.volume * terms.density(&approach, i, j);
             other.density += i.volume * terms.density(&back, j, i);
             if terms.moment.is_some() {
                 moment.add_square(&c.x, j.volume * approach.f);
                 other.moment.add_square(&c.x, i.volume * approach.f);
+            }
+            if corrected {
+                let between = approach.spread();
+                spread += between * j.volume;
+                other.spread += between * i.volume;
             }
         }
         for c in block.outer.row_mut(row) {
@@ -180,6 +215,9 @@ pub fn sweep_densities<const D: usize>(
             density += j.volume * terms.density(&approach, i, j);
             if terms.moment.is_some() {
                 moment.add_square(&c.x, j.volume * approach.f);
+            }
+            if corrected {
+                spread += approach.spread() * j.volume;
             }
         }
         if i.is_solid() {
@@ -195,10 +233,14 @@ pub fn sweep_densities<const D: usize>(
                 let approach = weigh(c, terms, kernel, i, j);
                 density += j.volume * terms.density(&approach, i, j);
                 moment.add_square(&c.x, j.volume * approach.f);
+                if corrected {
+                    spread += approach.spread() * j.volume;
+                }
             }
         }
         rates[row].density += density;
         rates[row].moment.add(&moment);
+        rates[row].spread += spread;
     }
 }
 
@@ -212,7 +254,8 @@ fn weigh<const D: usize>(
     j: &Side<D>,
 ) -> Approach<D> {
     (c.weight, c.f_shift) = terms.weights(kernel, c.weight.sqrt());
-    Approach { x: c.x, f: c.weight, opening: (i.velocity - j.velocity).dot(&c.x) }
+    let apart = i.velocity - j.velocity;
+    Approach { x: c.x, f: c.weight, apart, opening: apart.dot(&c.x) }
 }
 
 /// Volume fraction of solid, phi_i = Σ_solid V_j W / Σ_all V_j W, i itself included; SPH-BVF Eq. (45). Leaving i out

@@ -1,6 +1,7 @@
 //! Symmetric matrices of `D` rows, by their diagonal and what stands beside it.
 
 use crate::vector::Vector;
+use nalgebra::SMatrix;
 
 /// A symmetric matrix: the entries (k, k) and the entries (k, k + 1), the last beside the first. In 2D only the
 /// first of the mixed entries is used, in 1D none.
@@ -52,6 +53,38 @@ impl<const D: usize> Symmetric<D> {
         self.diagonal.sum()
     }
 
+    /// tr(A⁻¹ M) of any matrix M; `None` where the determinant is below `least` (too few neighbours, or all in a line).
+    #[inline]
+    #[must_use]
+    pub fn inverse_contracted(&self, m: &SMatrix<f64, D, D>, least: f64) -> Option<f64> {
+        let (a, b) = (&self.diagonal, &self.mixed);
+        // Written so that "not a number" is refused too.
+        let enough = |determinant: f64| determinant > least;
+        match D {
+            1 => enough(a[0]).then(|| m[(0, 0)] / a[0]),
+            2 => {
+                let determinant = a[0] * a[1] - b[0] * b[0];
+                let sum = a[1] * m[(0, 0)] + a[0] * m[(1, 1)] - b[0] * (m[(0, 1)] + m[(1, 0)]);
+                enough(determinant).then(|| sum / determinant)
+            }
+            _ => {
+                // Mixed entries: (0, 1), (1, 2), (2, 0).
+                let minors =
+                    [a[1] * a[2] - b[1] * b[1], a[2] * a[0] - b[2] * b[2], a[0] * a[1] - b[0] * b[0]];
+                let crossed =
+                    [b[1] * b[2] - b[0] * a[2], b[2] * b[0] - b[1] * a[0], b[0] * b[1] - b[2] * a[1]];
+                let determinant = a[0] * minors[0] + b[0] * crossed[0] + b[2] * crossed[2];
+                let sum = (0..3)
+                    .map(|k| {
+                        let next = (k + 1) % 3;
+                        minors[k] * m[(k, k)] + crossed[k] * (m[(k, next)] + m[(next, k)])
+                    })
+                    .sum::<f64>();
+                enough(determinant).then(|| sum / determinant)
+            }
+        }
+    }
+
     /// The sum of this and another matrix.
     #[inline(always)]
     pub fn add(&mut self, other: &Symmetric<D>) {
@@ -63,6 +96,7 @@ impl<const D: usize> Symmetric<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{Rng, SeedableRng};
 
     fn agrees_with_products<const D: usize>() {
         let x: Vector<D> = Vector::from_fn(|k, _| 0.3 + k as f64);
@@ -73,6 +107,35 @@ mod tests {
         // Rounding of a dozen operations.
         assert!((sum.along(&y) - expected).abs() < 1e-13);
         assert!((sum.trace() - 2.0 * D as f64 - 0.5 * x.norm_squared()).abs() < 1e-13);
+    }
+
+    fn inverts<const D: usize>() {
+        let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(31);
+        for _ in 0..50 {
+            let mut any = || random.random::<f64>() - 0.5;
+            let mut sum = Symmetric::<D>::identity(0.5);
+            for _ in 0..3 {
+                sum.add_square(&Vector::from_fn(|_, _| any()), 1.0);
+            }
+            // M = A B for any B: tr(A⁻¹ A B) = tr B.
+            let other = SMatrix::<f64, D, D>::from_fn(|_, _| any());
+            let whole = SMatrix::<f64, D, D>::from_fn(|k, l| match (l + 3 - k) % 3 {
+                0 => sum.diagonal[k],
+                1 => sum.mixed[k],
+                _ => sum.mixed[l],
+            });
+            let trace = sum.inverse_contracted(&(whole * other), 1e-3).expect("positive");
+            // Rounding, times the condition of A.
+            assert!((trace - other.trace()).abs() < 1e-13, "{trace} {}", other.trace());
+        }
+        assert_eq!(Symmetric::<D>::identity(0.0).inverse_contracted(&SMatrix::identity(), 1e-3), None);
+    }
+
+    #[test]
+    fn contraction_with_the_inverse_in_every_dimension() {
+        inverts::<1>();
+        inverts::<2>();
+        inverts::<3>();
     }
 
     #[test]

@@ -153,8 +153,10 @@ fn options(node: &Node, faults: &mut Faults) -> Option<Options> {
     let pressure_switch = fields.optional("pressure_switch").map(|n| n.boolean(faults));
     let density_rate =
         fields.optional("density_rate").map(|n| n.choice(&[("default", false), ("printed", true)], faults));
+    let corrected = fields.optional("corrected").map(|n| n.boolean(faults));
     fields.finish(faults);
     Some(Options {
+        corrected: corrected.unwrap_or(Some(usual.corrected))?,
         delta: delta.unwrap_or(Some(usual.delta))?,
         shift: given(shift)?,
         courant: given(courant)?,

@@ -83,9 +83,9 @@ fn every_force_is_antisymmetric() {
 
 /// Both directions of the approach of i and j.
 fn approach(i: &Side<3>, j: &Side<3>, p: &Pair<3>) -> (Approach<3>, Approach<3>) {
-    let opening = (i.velocity - j.velocity).dot(&p.x);
-    let there = Approach { x: p.x, f: p.f, opening };
-    (there, Approach { x: -p.x, ..there })
+    let apart = i.velocity - j.velocity;
+    let there = Approach { x: p.x, f: p.f, apart, opening: apart.dot(&p.x) };
+    (there, there.back())
 }
 
 #[test]
