@@ -7,7 +7,8 @@ use crate::fluid::kernel::Kernel;
 use crate::fluid::mirror::Mirror;
 use crate::fluid::noise::ThermalNoise;
 use crate::fluid::particles::{Material, Own, Side};
-use crate::fluid::pass::{Rates, Terms};
+use crate::fluid::pass::Rates;
+use crate::fluid::physics::Terms;
 use crate::fluid::setup::{Body, BodyKind, EquationOfState, Friction, Method, Setup, Slip, Sponge};
 use crate::fluid::symmetric::Symmetric;
 use crate::fluid::terms::{
@@ -256,6 +257,6 @@ fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
         viscosity: Viscosity { form },
         transport_stress: moved.then_some(TransportStress),
         shift: moved.then_some(Shift::new(shift, setup.cutoff, setup.reference_speed)),
-        noise: setup.noise.as_ref().map(|noise| ThermalNoise::new(noise, form)),
+        noise: setup.noise.as_ref().map(ThermalNoise::new),
     }
 }

@@ -6,7 +6,7 @@
 //! | [`kernel`], [`domain`], [`neighbours`] | W and its gradient; the box; who is near whom |
 //! | [`order`], [`blocks`] | particles in the order of a space-filling curve; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
-//! | [`particles`], [`pass`], [`terms`] | state; the sweeps over pairs; one equation each |
+//! | [`particles`], [`pass`], [`physics`], [`terms`] | state; the sweeps over pairs; what they add up; one equation each |
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
@@ -33,6 +33,7 @@ pub mod observe;
 pub mod order;
 pub mod particles;
 pub mod pass;
+pub mod physics;
 pub mod reaction;
 pub mod setup;
 mod sponge;
