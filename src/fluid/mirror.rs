@@ -14,7 +14,8 @@
 use crate::fluid::blocks::Block;
 use crate::fluid::flow::Flow;
 use crate::fluid::particles::{Own, Side};
-use crate::fluid::pass::{Pair, Terms};
+use crate::fluid::pass::Pair;
+use crate::fluid::physics::Terms;
 use crate::vector::Vector;
 
 /// What a solid particle shows to the fluid in the force sweep.
@@ -103,6 +104,7 @@ pub fn mirror<const D: usize, F: Fn(&Vector<D>) -> Vector<D>>(
 impl<const D: usize> Flow<D> {
     /// ∇²v (1/(m s)) of the fluid particles of a block near solids, as their friction sums it, into `own`.
     pub(super) fn bend(block: &Block<D>, own: &mut [Own<D>], terms: &Terms<D>, sides: &[Side<D>]) {
+        let makeup = terms.makeup();
         for (row, own) in own.iter_mut().enumerate() {
             if !block.near_solid[row] {
                 continue;
@@ -113,7 +115,7 @@ impl<const D: usize> Flow<D> {
                 let (j, p) = (&sides[c.j as usize], Pair { x: c.x, f: c.weight, f_shift: c.f_shift });
                 let mut between = Vector::zeros();
                 terms.viscosity.pair(
-                    terms.rub::<false>(&p, i, j),
+                    terms.rub::<false>(makeup, &p, i, j),
                     &c.x,
                     &(i.velocity - j.velocity),
                     &mut between,
@@ -124,7 +126,7 @@ impl<const D: usize> Flow<D> {
                 let (j, p) = (&sides[c.j as usize], Pair { x: c.x, f: c.weight, f_shift: c.f_shift });
                 let mut between = Vector::zeros();
                 terms.viscosity.pair(
-                    terms.rub::<true>(&p, i, j),
+                    terms.rub::<true>(makeup, &p, i, j),
                     &c.x,
                     &(i.velocity - j.velocity),
                     &mut between,
