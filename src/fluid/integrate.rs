@@ -9,12 +9,13 @@ use crate::error::RunError;
 use crate::fluid::blocks::{Block, build_blocks};
 use crate::fluid::flow::Flow;
 use crate::fluid::order::along_a_curve;
-use crate::fluid::pass::{sweep_densities, sweep_forces, sweep_reactions};
+use crate::fluid::pass::sweep_reactions;
 use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
 use crate::fluid::terms::continuity::corrected_rate;
 use crate::fluid::terms::{Continuity, Moment};
 use crate::fluid::wall::{Obstacles, carry, mirror};
+use crate::fluid::wide::{sweep_densities, sweep_forces};
 use crate::vector::Vector;
 
 /// Relative change of density at which a run is given up.

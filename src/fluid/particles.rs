@@ -14,7 +14,8 @@ pub enum Material {
     FreeSlip,
 }
 
-/// One side of a pair: packed, since a sweep reads all of it at a random place.
+/// One side of a pair: packed, since a sweep reads all of it at a random place. Whole lines of the cache for each were
+/// slower: they take more of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Side<const D: usize> {

@@ -75,7 +75,7 @@ impl<const D: usize> Approach<D> {
 }
 
 /// What the sweeps find for one particle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates<const D: usize> {
     /// kg/m³/s; of a solid Σ V W over the fluid before it.
     pub density: f64,
@@ -117,7 +117,8 @@ pub fn share<const D: usize>(kernel: &Kernel<D>, x: &Vector<D>, i: &Side<D>, j: 
 }
 
 /// First sweep over a block: finds the contacts, sums density rates, second moments and volume fractions of solid.
-pub fn sweep_densities<const D: usize>(
+#[inline(always)]
+pub(super) fn densities<const D: usize>(
     block: &mut Block<D>,
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
@@ -258,7 +259,8 @@ fn fraction<const D: usize>(
 }
 
 /// Second sweep over a block: forces and crowding of the fluid particles, from the contacts of the first.
-pub fn sweep_forces<const D: usize>(
+#[inline(always)]
+pub(super) fn forces<const D: usize>(
     block: &Block<D>,
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
@@ -343,7 +345,7 @@ fn forces_at_walls<const D: usize>(
     }
 }
 
-/// What the fluid does to the solids of a block that ask for it: exactly the opposite of what [`sweep_forces`] gives the
+/// What the fluid does to the solids of a block that ask for it: exactly the opposite of what [`forces`] gives the
 /// fluid, pair by pair, as a force per volume of the solid particle (N/m³) into `rates`.
 pub fn sweep_reactions<const D: usize>(
     block: &Block<D>,
