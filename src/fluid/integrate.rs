@@ -202,7 +202,7 @@ impl<const D: usize> Flow<D> {
             if side.is_solid() {
                 side.reach = rates.density;
             } else if some {
-                side.moment = Moment.correction(&rates.moment);
+                (side.moment, side.uneven) = Moment.correction(&rates.moment);
             }
         }
     }
@@ -240,7 +240,7 @@ impl<const D: usize> Flow<D> {
                     side.pressure = state.pressure(side.density, own.rest_density, c);
                     side.volume = own.mass / side.density;
                     if corrected {
-                        side.moment = Moment.correction(&rates.moment);
+                        (side.moment, side.uneven) = Moment.correction(&rates.moment);
                     }
                     let change = (side.density / own.rest_density - 1.0).abs();
                     // Written so that "not a number" is a fault too.

@@ -33,6 +33,8 @@ pub struct Side<const D: usize> {
     pub material: Material,
     /// Index of the body.
     pub body: u8,
+    /// Whether the factor of friction may need its limits, [`crate::fluid::terms::Moment`].
+    pub uneven: bool,
     /// Pa.
     pub pressure: f64,
     /// Dynamic viscosity, Pa s; of a solid without meaning.

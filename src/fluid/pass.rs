@@ -44,21 +44,33 @@ pub struct Approach<const D: usize> {
     pub apart: Vector<D>,
     /// (v_i - v_j)·x, the same from both sides; m²/s.
     pub opening: f64,
+    /// (w_i + w_j)·x with the drift w; m²/s.
+    pub drifting: f64,
+    /// rho_j - rho_i, kg/m³.
+    pub denser: f64,
 }
 
 impl<const D: usize> Approach<D> {
-    /// The approach of i and j at a contact in the row of a fluid particle.
+    /// The approach of i and j at `x` = x_i - x_j (m) with a weight F.
     #[inline(always)]
-    fn new(c: &Contact<D>, i: &Side<D>, j: &Side<D>) -> Approach<D> {
+    #[must_use]
+    pub fn new(x: &Vector<D>, f: f64, i: &Side<D>, j: &Side<D>) -> Approach<D> {
         let apart = i.velocity - j.velocity;
-        Approach { x: c.x, f: c.weight, apart, opening: apart.dot(&c.x) }
+        Approach {
+            x: *x,
+            f,
+            apart,
+            opening: apart.dot(x),
+            drifting: (i.drift + j.drift).dot(x),
+            denser: j.density - i.density,
+        }
     }
 
     /// The same pair seen from j.
     #[inline(always)]
     #[must_use]
     pub fn back(&self) -> Approach<D> {
-        Approach { x: -self.x, apart: -self.apart, ..*self }
+        Approach { x: -self.x, apart: -self.apart, drifting: -self.drifting, denser: -self.denser, ..*self }
     }
 
     /// F x⊗x, the same from both sides.
@@ -160,7 +172,7 @@ fn sum_densities<const D: usize>(
         let mut sum = Gain::default();
         for c in block.inner.row(row) {
             let j = &sides[c.j as usize];
-            let approach = Approach::new(&c, i, j);
+            let approach = Approach::new(&c.x, c.weight, i, j);
             let other = &mut rates[c.j as usize - first];
             sum.density += j.volume * terms.density(makeup, &approach, i, j);
             other.density += i.volume * terms.density(makeup, &approach.back(), j, i);
@@ -224,7 +236,7 @@ impl<const D: usize> Gain<D> {
     /// Adds what i gains from j.
     #[inline(always)]
     fn see(&mut self, makeup: Makeup, terms: &Terms<D>, c: &Contact<D>, i: &Side<D>, j: &Side<D>) {
-        let approach = Approach::new(c, i, j);
+        let approach = Approach::new(&c.x, c.weight, i, j);
         self.density += j.volume * terms.density(makeup, &approach, i, j);
         if makeup.moment {
             self.moment.add_scaled(&approach.moment(), j.volume);
