@@ -4,6 +4,7 @@ use crate::error::RunError;
 use crate::fluid::blocks::Block;
 use crate::fluid::domain::{Domain, Shortest};
 use crate::fluid::kernel::Kernel;
+use crate::fluid::mirror::Mirror;
 use crate::fluid::noise::ThermalNoise;
 use crate::fluid::particles::{Material, Own, Side};
 use crate::fluid::pass::Rates;
@@ -13,7 +14,6 @@ use crate::fluid::symmetric::Symmetric;
 use crate::fluid::terms::{
     Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity,
 };
-use crate::fluid::wall::Mirror;
 use crate::vector::Vector;
 
 /// A flow in progress.
@@ -117,6 +117,11 @@ impl<const D: usize> Flow<D> {
                 start: placed.position,
                 acceleration: Vector::zeros(),
                 lift: Vector::zeros(),
+                bend: Vector::zeros(),
+                depth: match &setup.bodies[placed.body as usize].kind {
+                    BodyKind::Solid { surface: Some(surface), .. } => -surface(&placed.position),
+                    _ => 0.0,
+                },
                 fraction: if fluid { 0.0 } else { 1.0 },
             });
         }

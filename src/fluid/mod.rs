@@ -26,6 +26,7 @@ pub mod integrate;
 pub mod interpolate;
 pub mod kernel;
 pub mod limit;
+pub mod mirror;
 pub mod motion;
 pub mod neighbours;
 pub mod noise;
