@@ -160,7 +160,7 @@ impl<const D: usize> Terms<D> {
         if makeup.noise
             && let Some(noise) = &self.noise
         {
-            noise.solid(makeup.form, rub, share, p, i, j, &mut out);
+            out += noise.solid(makeup.form, rub, share, p, i, j);
         }
         out
     }
