@@ -195,7 +195,10 @@ impl<const D: usize> Flow<D> {
         self.densities();
         self.moments();
         self.mirrors();
-        self.balance_pressure();
+        // The random velocities of a start in thermal motion have no pressure of their own.
+        if self.terms.noise.is_none() {
+            self.balance_pressure();
+        }
         self.carry_solids();
         self.densities();
         self.mirrors();
