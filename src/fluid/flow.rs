@@ -5,6 +5,7 @@ use crate::fluid::blocks::Block;
 use crate::fluid::domain::{Domain, Shortest};
 use crate::fluid::kernel::Kernel;
 use crate::fluid::noise::ThermalNoise;
+use crate::fluid::open::{Open, Openings};
 use crate::fluid::particles::{Material, Own, Side};
 use crate::fluid::pass::{Rates, Terms};
 use crate::fluid::setup::{Body, BodyKind, EquationOfState, Friction, Method, Setup, Slip, Sponge};
@@ -33,6 +34,8 @@ pub struct Flow<const D: usize> {
     pub(super) rates: Vec<Rates<D>>,
     pub(super) mirrors: Vec<Mirror<D>>,
     pub(super) solids: Vec<u32>,
+    /// The ends where particles enter and leave.
+    pub(super) openings: Option<Openings<D>>,
     /// Bodies whose reaction is asked for.
     pub(super) asks: Vec<bool>,
     /// Bound on how far any particle moved since the lists were built, m.
@@ -55,6 +58,8 @@ pub(super) struct Scales<const D: usize> {
     pub drift_correction: u64,
     pub state: EquationOfState,
     pub shepard: Option<u64>,
+    /// Of the lightest fluid, kg/m³.
+    pub rest_density: f64,
 }
 
 /// What is counted over the steps.
@@ -76,7 +81,16 @@ impl<const D: usize> Flow<D> {
     /// [`RunError::BlowUp`] at step 0 where the setup cannot run: a box shorter than two cut-offs on a periodic
     /// axis, a body without description, a place, volume, density or scale that is no positive number.
     pub fn new(setup: Setup<D>) -> Result<Flow<D>, RunError> {
+        Flow::with_ends(setup, None)
+    }
+
+    /// As [`Flow::new`], with an axis that is open.
+    ///
+    /// # Errors
+    /// As [`Flow::new`].
+    pub fn with_ends(setup: Setup<D>, open: Option<Open<D>>) -> Result<Flow<D>, RunError> {
         setup.check()?;
+        let openings = open.map(|open| Openings::new(open, &setup));
         let sound_speed = setup.sound_speed.unwrap_or_else(|| setup.automatic_sound_speed());
         let (h, shift) = (setup.cutoff, setup.shift());
         let options = &setup.options;
@@ -134,9 +148,11 @@ impl<const D: usize> Flow<D> {
                 courant,
                 shift,
                 surface_fraction: options.surface_fraction,
-                drift_correction: options.drift_correction,
+                // Where fluid leaves at a given pressure, there is no drift to take out.
+                drift_correction: if openings.is_some() { 0 } else { options.drift_correction },
                 state: setup.state,
                 shepard: options.shepard,
+                rest_density: lightest,
             },
             domain: setup.domain,
             bodies: setup.bodies,
@@ -151,12 +167,14 @@ impl<const D: usize> Flow<D> {
             rates: vec![Rates::default(); n],
             mirrors: vec![Mirror { velocity: Vector::zeros(), pressure: 0.0 }; n],
             solids: Vec::new(),
+            openings,
             asks,
             travel: 0.0,
             time: 0.0,
             steps: 0,
             noise_step: 0.0,
         };
+        flow.weigh_bodies();
         flow.carry_solids();
         flow.sort();
         flow.rebuild();
@@ -169,6 +187,7 @@ impl<const D: usize> Flow<D> {
             let (c, u) = (flow.sound_speed, flow.setup.reference_speed);
             flow.terms.density_diffusion = Some(DensityDiffusion::new(delta, h, c, u));
         }
+        flow.densities_at_ends();
         flow.mirrors();
         flow.forces(0.0);
         flow.finish(0.0);
@@ -188,7 +207,9 @@ impl<const D: usize> Flow<D> {
         self.densities();
         self.moments();
         self.mirrors();
-        self.balance_pressure();
+        if self.openings.is_none() {
+            self.balance_pressure();
+        }
         self.carry_solids();
         self.densities();
         self.mirrors();

@@ -10,6 +10,7 @@
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
+//! | [`rigid`], [`deform`], [`open`] | bodies the fluid moves; solids that deform; ends where particles enter and leave |
 //! | [`observe`] | snapshots and health of a flow |
 //! | [`weights`], [`exchange`], [`interpolate`] | conductances for the chemistry, ours and as printed; fields at points |
 //!
@@ -17,6 +18,7 @@
 
 mod balance;
 pub mod blocks;
+pub mod deform;
 pub mod domain;
 pub mod exchange;
 mod filter;
@@ -29,10 +31,12 @@ pub mod motion;
 pub mod neighbours;
 pub mod noise;
 pub mod observe;
+pub mod open;
 pub mod order;
 pub mod particles;
 pub mod pass;
 pub mod reaction;
+pub mod rigid;
 pub mod setup;
 mod sponge;
 mod state;
@@ -42,6 +46,7 @@ pub mod terms;
 pub mod wall;
 pub mod weights;
 
+pub use deform::Deformation;
 pub use domain::Domain;
 pub use exchange::{Barrier, Voxels};
 pub use flow::Flow;
@@ -51,6 +56,8 @@ pub use limit::StepLimit;
 pub use motion::Motion;
 pub use neighbours::Grid;
 pub use observe::{FlowHealth, Snapshot};
+pub use open::{End, Open};
+pub use rigid::{BodyState, Free};
 pub use setup::{
     Body, BodyKind, EquationOfState, Friction, Method, Noise, Options, Placed, Setup, Slip, Sponge,
 };
