@@ -60,6 +60,8 @@ pub(super) struct Scales<const D: usize> {
     pub shepard: Option<u64>,
     /// Of the lightest fluid, kg/m³.
     pub rest_density: f64,
+    /// The largest of the fluids, Pa s.
+    pub viscosity: f64,
 }
 
 /// What is counted over the steps.
@@ -98,6 +100,10 @@ impl<const D: usize> Flow<D> {
         let lightest = setup.bodies.iter().fold(f64::INFINITY, |rho, body| match body.kind {
             BodyKind::Fluid { density, .. } => density.min(rho),
             BodyKind::Solid { .. } => rho,
+        });
+        let stickiest = setup.bodies.iter().fold(0.0_f64, |mu, body| match body.kind {
+            BodyKind::Fluid { viscosity, .. } => mu.max(viscosity),
+            BodyKind::Solid { .. } => mu,
         });
         let terms = terms(&setup);
         let (mut positions, mut sides, mut own) = (Vec::new(), Vec::new(), Vec::new());
@@ -153,6 +159,7 @@ impl<const D: usize> Flow<D> {
                 state: setup.state,
                 shepard: options.shepard,
                 rest_density: lightest,
+                viscosity: stickiest,
             },
             domain: setup.domain,
             bodies: setup.bodies,

@@ -3,6 +3,10 @@
 //! M dV/dt = F + M (g + a), dL/dt = T with F and T the exact opposite of what the body does to the fluid, kick - drift -
 //! kick like the fluid. In space the body turns by the angular velocity of the middle of the step, found from
 //! L = R I Rᵀ ω with a half step ahead; second order, and L is kept to rounding where no torque acts.
+//!
+//! Friction along the difference of velocities, strength a, has the stress a/2 eta ∇v instead of its symmetric part: the
+//! same force on a volume or a body, but on a turning body less torque. The difference depends on the velocity of
+//! the surface alone and is exactly -a eta (volume of the body) ω, which is added here (with its thermal noise).
 
 use nalgebra::Matrix3;
 
@@ -10,7 +14,8 @@ use crate::error::RunError;
 use crate::fluid::domain::Domain;
 use crate::fluid::flow::Flow;
 use crate::fluid::motion::Motion;
-use crate::fluid::setup::BodyKind;
+use crate::fluid::pass::Pair;
+use crate::fluid::setup::{Body, BodyKind, Slip};
 use crate::vector::Vector;
 
 /// A free body as it is stated: density and state at t = 0.
@@ -311,11 +316,21 @@ impl<const D: usize> Flow<D> {
         // Told at once the pressure would answer to the acceleration it makes itself, and a light body would shake.
         // Noise must not be answered at all.
         let (quiet, h) = (self.terms.noise.is_none(), self.kernel.cutoff());
-        let sound = self.sound_speed;
-        for (body, (force, torque)) in self.bodies.iter_mut().zip(loads) {
-            if let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &mut body.kind {
+        let (sound, a, viscosity) = (self.sound_speed, self.terms.viscosity.a::<D>(), self.setup.viscosity);
+        for ((body, (force, torque)), number) in self.bodies.iter_mut().zip(loads).zip(0_u8..) {
+            if let BodyKind::Solid { motion: Motion::Free(rigid), slip, .. } = &mut body.kind {
                 rigid.force = force + (gravity + rigid.free.acceleration) * rigid.mass;
                 rigid.torque = torque;
+                if *slip == Slip::NoSlip && D > 1 {
+                    let rub = viscosity * rigid.mass / rigid.free.density;
+                    rigid.torque -= rigid.rate * (a * rub);
+                    if let Some(noise) = &self.terms.noise {
+                        let kick = noise.torque(number, rub);
+                        rigid.torque += nalgebra::Vector3::from_fn(|k, _| {
+                            if D == 3 || k == 2 { kick[k] } else { 0.0 }
+                        });
+                    }
+                }
                 if quiet && !rigid.held && rigid.mass > 0.0 {
                     let time = h / sound * (self.setup.rest_density / rigid.free.density).max(1.0);
                     let share = -(-dt / time).exp_m1();
@@ -323,6 +338,43 @@ impl<const D: usize> Flow<D> {
                 }
             }
         }
+    }
+
+    /// The fastest rate at which friction takes velocity or spin from a free body, 1/s; with the fluid at rest, which
+    /// shows the body its velocity twice. Zero without one.
+    pub(super) fn friction_rate_of_bodies(&self) -> f64 {
+        if !self.bodies.iter().any(Body::is_free) {
+            return 0.0;
+        }
+        let a = self.terms.viscosity.a::<D>();
+        let mut sums = vec![(0.0, 0.0); self.bodies.len()];
+        for block in &self.blocks {
+            for (row, near) in block.near_solid.iter().enumerate() {
+                let side = &self.sides[block.first + row];
+                if !near || side.is_solid() {
+                    continue;
+                }
+                for c in block.row(row) {
+                    let solid = &self.sides[c.j as usize];
+                    let number = usize::from(solid.body);
+                    let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind else {
+                        continue;
+                    };
+                    let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
+                    let rub = 2.0 * a * self.terms.rub::<true>(&pair, side, solid) * side.volume * solid.volume;
+                    sums[number].0 += rub;
+                    sums[number].1 += rub * rigid.arm(&self.positions[c.j as usize]).norm_squared();
+                }
+            }
+        }
+        let rate = |(body, (push, turn)): (&Body<D>, (f64, f64))| match &body.kind {
+            BodyKind::Solid { motion: Motion::Free(rigid), .. } if rigid.mass > 0.0 => {
+                let own = a * self.setup.viscosity * rigid.mass / rigid.free.density;
+                (push / rigid.mass).max((turn + own) * rigid.inverse.norm())
+            }
+            _ => 0.0,
+        };
+        self.bodies.iter().zip(sums).map(rate).fold(0.0, f64::max)
     }
 
     /// The second half kick of the free bodies.
