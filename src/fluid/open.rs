@@ -21,6 +21,7 @@ use crate::fluid::blocks::Block;
 use crate::fluid::flow::Flow;
 use crate::fluid::particles::Material;
 use crate::fluid::setup::{BodyKind, Setup};
+use crate::fluid::symmetric::Symmetric;
 use crate::vector::Vector;
 
 /// A velocity (m/s) by place (m) and time (s).
@@ -314,6 +315,8 @@ impl<const D: usize> Flow<D> {
             side.density = state.density(pressure, own.rest_density, c);
             side.pressure = pressure;
             side.volume = own.mass / side.density;
+            // Its neighbourhood ends with the buffer; that of the fluid before it does not.
+            side.moment = Symmetric::identity(1.0);
         }
         self.openings = Some(openings);
     }
