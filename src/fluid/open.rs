@@ -6,7 +6,7 @@
 //! | end | velocity | pressure |
 //! |---|---|---|
 //! | velocity given | as given at the place | mean of the fluid before it, Σ p V W/Σ V W |
-//! | pressure given | that at which it left, accelerated along the axis as the fluid before it | as given |
+//! | pressure given | that at which it left, accelerated along the axis as the fluid before it; if drawn in, the mean of the fluid before it | as given |
 //!
 //! A buffer particle that comes into the box is fluid from then on, and another one enters the buffer a depth behind
 //! it; fluid that leaves the box joins the buffer, and what leaves the buffer is put into the reserve. The reserve are
@@ -325,9 +325,10 @@ impl<const D: usize> Flow<D> {
     pub(super) fn finish_ends(&mut self, dt: f64) {
         let Some(openings) = self.openings.take() else { return };
         let axis = openings.open.axis;
-        let means = self.extrapolate(&openings, |j| self.own[j].acceleration[axis]);
+        let pulls = self.extrapolate(&openings, |j| self.own[j].acceleration[axis]);
+        let speeds = self.extrapolate(&openings, |j| self.sides[j].velocity[axis]);
         let time = self.time;
-        for (&(i, end), mean) in openings.buffer.iter().zip(means) {
+        for ((&(i, end), pull), speed) in openings.buffer.iter().zip(pulls).zip(speeds) {
             let i = i as usize;
             let (position, side, own) = (&mut self.positions[i], &mut self.sides[i], &mut self.own[i]);
             // What a particle inside would have done is taken back.
@@ -340,9 +341,13 @@ impl<const D: usize> Flow<D> {
                 }
                 End::Pressure(_) => {
                     side.velocity -= own.acceleration * (0.5 * dt);
-                    let along = mean.unwrap_or(0.0);
-                    own.acceleration = Vector::from_fn(|k, _| if k == axis { along } else { 0.0 });
+                    let pull = pull.unwrap_or(0.0);
+                    own.acceleration = Vector::from_fn(|k, _| if k == axis { pull } else { 0.0 });
                     side.velocity += own.acceleration * (0.5 * dt);
+                    // Fluid that is drawn in has no past of its own here: it comes as fast as that before it goes on.
+                    if let Some(speed) = speed.filter(|speed| (*speed > 0.0) == (end == 0)) {
+                        side.velocity[axis] = speed;
+                    }
                 }
             }
         }
