@@ -1,8 +1,6 @@
 //! Rigid bodies that the fluid moves: momentum, drag, and how they come to the speed of the flow.
 
-use gillesph::fluid::{
-    Body, BodyKind, Domain, Flow, Free, KernelKind, Noise, Options, Placed, Setup, Slip,
-};
+use gillesph::fluid::{Body, BodyKind, Domain, Flow, Free, KernelKind, Noise, Options, Placed, Setup, Slip};
 use gillesph::vector::Vector;
 use std::sync::Arc;
 
@@ -91,7 +89,11 @@ fn momentum_is_kept<const D: usize>(n: i32, noise: bool, steps: u64) {
     flow.advance(0.5 * dt, 5).expect("stable");
     let drift = (momentum(&flow).0 - before).norm() / scale;
     let moved = flow.free_bodies().next().expect("one body");
-    println!("{D}D, noise {noise}: drift {drift:.1e}, {} bounces, body {:?}", flow.health().bounces, moved.velocity);
+    println!(
+        "{D}D, noise {noise}: drift {drift:.1e}, {} bounces, body {:?}",
+        flow.health().bounces,
+        moved.velocity
+    );
     // A few thousand additions of rounding errors of 1e-16 of the largest.
     assert!(drift < 1e-12, "{drift}");
     assert!((moved.velocity - case.free.velocity).norm() > 1e-3, "it must have been pushed");
@@ -147,12 +149,8 @@ fn a_falling_disc_in_an_array_has_the_drag_of_print() {
     let solid = (0..n * n).filter(|&i| inside(i)).count() as f64 * spacing * spacing;
     // The fluid is driven with g, the disc with what keeps the sum at zero.
     let drive = Vector::<2>::new(pull, 0.0);
-    let free = Free {
-        density: 1.0,
-        velocity: Vector::<2>::zeros(),
-        rate: [0.0; 3],
-        acceleration: -drive / solid,
-    };
+    let free =
+        Free { density: 1.0, velocity: Vector::<2>::zeros(), rate: [0.0; 3], acceleration: -drive / solid };
     let case = Case { n, radius, free, speed: 0.1, body_force: drive, noise: false };
     let mut flow = case.flow();
     let steps = (0.15 / flow.step_limit().seconds).ceil();

@@ -34,7 +34,9 @@ fn molecules_enter_and_leave_with_their_particles() {
     let expected = inlet * (1.0 - (-length).exp()) / length;
     let (mut l, mut p, mut n) = (0.0, 0.0, 0.0);
     for time in [24e-3, 28e-3, 32e-3, 36e-3, 40e-3] {
-        for (a, b) in face::amounts(&series, "all", "L", time).iter().zip(face::amounts(&series, "all", "P", time)) {
+        for (a, b) in
+            face::amounts(&series, "all", "L", time).iter().zip(face::amounts(&series, "all", "P", time))
+        {
             assert!(a.fract() == 0.0 && b.fract() == 0.0);
             (l, p, n) = (l + a, p + b, n + 1.0);
         }

@@ -1,9 +1,9 @@
 //! Open ends: particles enter at a given velocity and leave at a given pressure.
 
+use gillesph::fluid::setup::Surface;
 use gillesph::fluid::{
     Body, BodyKind, Domain, End, Flow, KernelKind, Motion, Open, Options, Placed, Setup, Slip,
 };
-use gillesph::fluid::setup::Surface;
 use gillesph::vector::Vector;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -21,7 +21,10 @@ struct Channel {
 }
 
 impl Channel {
-    fn flow<const D: usize>(&self, stream: impl Fn(f64, f64) -> f64 + Send + Sync + Copy + 'static) -> Flow<D> {
+    fn flow<const D: usize>(
+        &self,
+        stream: impl Fn(f64, f64) -> f64 + Send + Sync + Copy + 'static,
+    ) -> Flow<D> {
         let spacing = 1.0 / f64::from(self.n);
         let cutoff = 3.0 * spacing;
         let (buffer, layers) = (4, 3);
@@ -73,7 +76,8 @@ impl Channel {
                     kind: BodyKind::Solid {
                         slip: self.slip,
                         motion: Motion::Still,
-                        surface: (!self.bare).then(|| Arc::new(|x: &Vector<D>| x[1].min(1.0 - x[1])) as Surface<D>),
+                        surface: (!self.bare)
+                            .then(|| Arc::new(|x: &Vector<D>| x[1].min(1.0 - x[1])) as Surface<D>),
                     },
                 },
                 Body {
@@ -97,9 +101,8 @@ impl Channel {
         let mut setup = setup;
         let parking = open.parking(&setup);
         for k in 0..setup.particles.len() / 10 {
-            let place = Vector::from_fn(|axis, _| {
-                if axis == 0 { parking } else { (k as f64 * 0.618_034).fract() }
-            });
+            let place =
+                Vector::from_fn(|axis, _| if axis == 0 { parking } else { (k as f64 * 0.618_034).fract() });
             setup.particles.push(Placed { position: place, volume: spacing.powi(D as i32), body: 2 });
         }
         let mut flow = Flow::with_ends(setup, Some(open)).expect("a sound setup");
@@ -135,7 +138,10 @@ fn a_uniform_stream_stays_uniform() {
             .collect();
         let mean = (here.iter().sum::<f64>() / here.len() as f64).sqrt();
         let entries: u32 = present.iter().map(|p| p.entries).sum();
-        println!("uniform stream, bare {bare}: off by {mean:.1e}, {entries} entered, {before} -> {} inside", inside(&flow));
+        println!(
+            "uniform stream, bare {bare}: off by {mean:.1e}, {entries} entered, {before} -> {} inside",
+            inside(&flow)
+        );
         // Without walls to rounding. Along frictionless walls the fluid passes over the lattice of the wall, and the row
         // next to it finds its distance behind the inlet; so it does in a periodic channel.
         assert!(mean < if bare { 1e-12 } else { 2.5e-3 });
@@ -146,7 +152,8 @@ fn a_uniform_stream_stays_uniform() {
 
 fn poiseuille<const D: usize>(n: i32, reynolds: f64, duration: f64) {
     // Mean speed 2/3, largest one.
-    let channel = Channel { n, length: 2.0, viscosity: 1.0 / reynolds, slip: Slip::NoSlip, bare: false, back: false };
+    let channel =
+        Channel { n, length: 2.0, viscosity: 1.0 / reynolds, slip: Slip::NoSlip, bare: false, back: false };
     let parabola = |y: f64| 4.0 * y * (1.0 - y);
     let mut flow = channel.flow::<D>(move |y, _| parabola(y));
     run(&mut flow, duration);
@@ -160,7 +167,8 @@ fn poiseuille<const D: usize>(n: i32, reynolds: f64, duration: f64) {
         if !present[i].inside || seen.volume_fraction[i] >= 1.0 {
             continue;
         }
-        wrong += (seen.velocity[i] - Vector::<D>::from_fn(|k, _| if k == 0 { parabola(x[1]) } else { 0.0 })).norm_squared();
+        wrong += (seen.velocity[i] - Vector::<D>::from_fn(|k, _| if k == 0 { parabola(x[1]) } else { 0.0 }))
+            .norm_squared();
         all += parabola(x[1]).powi(2);
         if (0.5..1.5).contains(&x[0]) {
             let p = seen.pressure[i];
@@ -172,7 +180,8 @@ fn poiseuille<const D: usize>(n: i32, reynolds: f64, duration: f64) {
     let error = (wrong / all).sqrt();
     let first = inside(&flow);
     // Mass of the box now, and after it has been exchanged once more: what enters leaves.
-    let entered = |flow: &Flow<D>| flow.presence().expect("open").iter().map(|p| u64::from(p.entries)).sum::<u64>();
+    let entered =
+        |flow: &Flow<D>| flow.presence().expect("open").iter().map(|p| u64::from(p.entries)).sum::<u64>();
     let before = entered(&flow);
     let longer = if D == 2 && reynolds > 5.0 { 15.0 } else { 3.0 };
     run(&mut flow, longer);
@@ -207,13 +216,19 @@ fn poiseuille_in_space() {
 /// A stream that turns round twice: fluid is drawn back through the end of given pressure and leaves by the inlet.
 #[test]
 fn a_stream_that_turns_round() {
-    let channel = Channel { n: 12, length: 1.5, viscosity: 0.1, slip: Slip::FreeSlip, bare: false, back: false };
+    let channel =
+        Channel { n: 12, length: 1.5, viscosity: 0.1, slip: Slip::FreeSlip, bare: false, back: false };
     let mut flow = channel.flow::<2>(|_, t| (PI * t).cos());
     let before = inside(&flow);
     run(&mut flow, 4.0);
     let (after, present) = (inside(&flow), flow.presence().expect("open"));
     let by = |end: u8| present.iter().filter(|p| p.by == end).map(|p| p.entries).sum::<u32>();
-    println!("turned round: {before} -> {after} inside, {} and {} entered, {:?}", by(0), by(1), flow.health());
+    println!(
+        "turned round: {before} -> {after} inside, {} and {} entered, {:?}",
+        by(0),
+        by(1),
+        flow.health()
+    );
     // A stroke of 2/π is 7.6 columns of 12 particles, two each way; numbers are kept by the last end entered at.
     assert!(by(0) + by(1) > 200 && (after as f64 / before as f64 - 1.0).abs() < 0.05);
     let seen = flow.snapshot();
@@ -228,7 +243,8 @@ fn the_ends_do_not_depend_on_the_threads() {
     let run_on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
-            let channel = Channel { n: 20, length: 2.0, viscosity: 0.1, slip: Slip::NoSlip, bare: false, back: false };
+            let channel =
+                Channel { n: 20, length: 2.0, viscosity: 0.1, slip: Slip::NoSlip, bare: false, back: false };
             let mut flow = channel.flow::<2>(|y, _| 4.0 * y * (1.0 - y));
             run(&mut flow, 0.3);
             (flow.snapshot(), flow.presence())

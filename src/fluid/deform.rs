@@ -69,7 +69,8 @@ impl<const D: usize> Deformation<D> {
         let instant = 10.0 * self.instant;
         let u = |k: f64| (self.displacement)(start, t + k * instant);
         let now = u(0.0);
-        let terms = SECOND.iter().zip([1.0, 2.0, 3.0]).map(|(weight, k)| ((u(k) - now) + (u(-k) - now)) * *weight);
+        let terms =
+            SECOND.iter().zip([1.0, 2.0, 3.0]).map(|(weight, k)| ((u(k) - now) + (u(-k) - now)) * *weight);
         terms.fold(Vector::zeros(), |sum: Vector<D>, term| sum + term) / (180.0 * instant * instant)
     }
 }

@@ -171,7 +171,8 @@ impl<const D: usize> Flow<D> {
                         if let End::Pressure(_) = openings.open.ends[usize::from(end)] {
                             // It leaves straight on; nothing would hold it off a wall of the buffer.
                             let along = self.sides[i].velocity[axis];
-                            self.sides[i].velocity = Vector::from_fn(|k, _| if k == axis { along } else { 0.0 });
+                            self.sides[i].velocity =
+                                Vector::from_fn(|k, _| if k == axis { along } else { 0.0 });
                         }
                         self.own[i].acceleration = Vector::zeros();
                         self.sides[i].drift = Vector::zeros();
@@ -225,8 +226,7 @@ impl<const D: usize> Flow<D> {
             openings.zones[own.id as usize] = Zone::Buffer(end);
         }
         self.openings = Some(openings);
-        self.solids =
-            (0..self.sides.len() as u32).filter(|&i| self.sides[i as usize].is_solid()).collect();
+        self.solids = (0..self.sides.len() as u32).filter(|&i| self.sides[i as usize].is_solid()).collect();
         fault.map_or(Ok(()), Err)
     }
 
@@ -261,8 +261,28 @@ impl<const D: usize> Flow<D> {
         self.openings = Some(openings);
     }
 
-    /// Of each particle in a buffer the mean of `value` over the fluid of the box in reach, Σ V W value/Σ V W.
+    /// Of each particle in a buffer the mean of `value` over the fluid of the box in reach, Σ V W value/Σ V W; of those
+    /// further back the mean over those in front that have one, so that a buffer moves as one.
     fn extrapolate(&self, openings: &Openings<D>, value: impl Fn(usize) -> f64 + Sync) -> Vec<Option<f64>> {
+        let marked = &openings.marked;
+        let first = self.means_near(openings, |i, j| (marked[i] && !marked[j]).then(|| value(j)));
+        let known = |i: usize| (first[i].0 > 0.0).then(|| first[i].1 / first[i].0);
+        let second = self.means_near(openings, |i, j| {
+            if marked[i] && first[i].0 <= 0.0 && marked[j] { known(j) } else { None }
+        });
+        let mean = |&(i, _): &(u32, u8)| {
+            let (all, sum) = second[i as usize];
+            known(i as usize).or_else(|| (all > 0.0).then(|| sum / all))
+        };
+        openings.buffer.iter().map(mean).collect()
+    }
+
+    /// Σ V_j W and Σ V_j W value(i, j) over the fluid neighbours j of i that have a value for it, by present index.
+    fn means_near(
+        &self,
+        openings: &Openings<D>,
+        value: impl Fn(usize, usize) -> Option<f64> + Sync,
+    ) -> Vec<(f64, f64)> {
         let (size, kernel, sides) = (Block::<D>::SIZE, &self.kernel, &self.sides);
         let mut sums = vec![(0.0_f64, 0.0_f64); sides.len()];
         self.blocks.par_iter().zip(sums.par_chunks_mut(size)).zip(&openings.touched).for_each(
@@ -272,10 +292,10 @@ impl<const D: usize> Flow<D> {
                 }
                 let first = block.first;
                 let mut add = |i: usize, j: usize, x: &Vector<D>| {
-                    if openings.marked[i] && !openings.marked[j] {
+                    if let Some(value) = value(i, j) {
                         let share = sides[j].volume * kernel.value(x.norm());
                         let sum = &mut sums[i - first];
-                        *sum = (sum.0 + share, sum.1 + share * value(j));
+                        *sum = (sum.0 + share, sum.1 + share * value);
                     }
                 };
                 for row in 0..block.near_solid.len() {
@@ -293,11 +313,7 @@ impl<const D: usize> Flow<D> {
                 }
             },
         );
-        let mean = |&(i, _): &(u32, u8)| {
-            let (all, sum) = sums[i as usize];
-            (all > 0.0).then(|| sum / all)
-        };
-        openings.buffer.iter().map(mean).collect()
+        sums
     }
 
     /// Pressure and density of the buffers.
@@ -357,7 +373,8 @@ impl<const D: usize> Flow<D> {
                 let out = self.beyond(axis, end, &place);
                 let End::Velocity(stream) = kind else { continue };
                 if out > 0.0 {
-                    let inward = stream(&self.domain.wrap(&place), time)[axis] * if end == 0 { 1.0 } else { -1.0 };
+                    let inward =
+                        stream(&self.domain.wrap(&place), time)[axis] * if end == 0 { 1.0 } else { -1.0 };
                     if inward > 0.0 {
                         self.positions[i as usize][axis] += 2.0 * if end == 0 { out } else { -out };
                     }

@@ -308,7 +308,9 @@ impl<const D: usize> Flow<D> {
         for &i in &self.solids {
             let (side, rates) = (&self.sides[i as usize], &self.rates[i as usize]);
             let number = usize::from(side.body);
-            let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind else { continue };
+            let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind else {
+                continue;
+            };
             let force = rates.force * side.volume;
             loads[number].0 += force;
             loads[number].1 += embed(&rigid.arm(&self.positions[i as usize])).cross(&embed(&force));
@@ -326,9 +328,8 @@ impl<const D: usize> Flow<D> {
                     rigid.torque -= rigid.rate * (a * rub);
                     if let Some(noise) = &self.terms.noise {
                         let kick = noise.torque(number, rub);
-                        rigid.torque += nalgebra::Vector3::from_fn(|k, _| {
-                            if D == 3 || k == 2 { kick[k] } else { 0.0 }
-                        });
+                        rigid.torque +=
+                            nalgebra::Vector3::from_fn(|k, _| if D == 3 || k == 2 { kick[k] } else { 0.0 });
                     }
                 }
                 if quiet && !rigid.held && rigid.mass > 0.0 {
@@ -357,11 +358,13 @@ impl<const D: usize> Flow<D> {
                 for c in block.row(row) {
                     let solid = &self.sides[c.j as usize];
                     let number = usize::from(solid.body);
-                    let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind else {
+                    let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind
+                    else {
                         continue;
                     };
                     let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
-                    let rub = 2.0 * a * self.terms.rub::<true>(&pair, side, solid) * side.volume * solid.volume;
+                    let rub =
+                        2.0 * a * self.terms.rub::<true>(&pair, side, solid) * side.volume * solid.volume;
                     sums[number].0 += rub;
                     sums[number].1 += rub * rigid.arm(&self.positions[c.j as usize]).norm_squared();
                 }
@@ -394,7 +397,11 @@ impl<const D: usize> Flow<D> {
                 !self.domain.periodic[k] && (here[k] < self.domain.min[k] || here[k] > self.domain.max[k])
             });
             if let Some(k) = beyond {
-                let what = format!("{} (m) of the body `{}`, at the end of the box,", ["x", "y", "z"][k.min(2)], body.name);
+                let what = format!(
+                    "{} (m) of the body `{}`, at the end of the box,",
+                    ["x", "y", "z"][k.min(2)],
+                    body.name
+                );
                 return Err(self.collision(i, what, here[k]));
             }
             for (other, number) in self.bodies.iter().zip(0_u8..) {
@@ -420,8 +427,9 @@ impl<const D: usize> Flow<D> {
             particle: self.own[i as usize].id as usize,
             quantity,
             value,
-            remedy: "bodies that touch have no law of contact here: end the run before, or begin further away"
-                .to_owned(),
+            remedy:
+                "bodies that touch have no law of contact here: end the run before, or begin further away"
+                    .to_owned(),
         }
     }
 }
@@ -434,8 +442,11 @@ mod tests {
     #[test]
     fn a_free_body_tumbles_with_its_momentum() {
         let energy_after = |dt: f64| {
-            let domain =
-                Domain { min: Vector::<3>::zeros(), max: Vector::<3>::new(9.0, 9.0, 9.0), periodic: [true; 3] };
+            let domain = Domain {
+                min: Vector::<3>::zeros(),
+                max: Vector::<3>::new(9.0, 9.0, 9.0),
+                periodic: [true; 3],
+            };
             let free = Free {
                 density: 2.0,
                 velocity: Vector::<3>::new(1.0, 0.0, 0.0),

@@ -212,12 +212,7 @@ fn barrier(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<
     Some(What::Barrier { axis, at })
 }
 
-fn moving_wall(
-    node: &Node,
-    domain: &ParticleDomain,
-    network: &Network,
-    faults: &mut Faults,
-) -> Option<What> {
+fn moving_wall(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Faults) -> Option<What> {
     let d = domain.dimensions;
     let mut fields = Fields::of(node, "moving_wall", faults)?;
     let wall = solid_wall(&mut fields, domain, faults);

@@ -42,7 +42,8 @@ fn prescribed<const D: usize>(domain: &ParticleDomain, motion: &WallMotion) -> M
         WallMotion::Deform(field) => {
             let field = field.clone();
             let extents = (0..D).map(|k| domain.max[k] - domain.min[k]);
-            let (speed, length) = domain.fluid.as_ref().map_or((1.0, None), |fluid| (fluid.speed, fluid.length));
+            let (speed, length) =
+                domain.fluid.as_ref().map_or((1.0, None), |fluid| (fluid.speed, fluid.length));
             let length = length.unwrap_or_else(|| extents.fold(f64::INFINITY, f64::min));
             Motion::Deforming(Deformation {
                 displacement: Arc::new(move |x: &Vector<D>, t: f64| narrow(&field.at(&embed(x), t))),
@@ -62,7 +63,11 @@ fn moves(condition: &Condition, wall: WallName) -> bool {
 }
 
 /// Walls told to move twice, free bodies at a wall, displacements that do not begin at zero.
-pub(super) fn check<const D: usize>(domain: &ParticleDomain, plan: &ParticlePlan<D>, faults: &mut Vec<Fault>) {
+pub(super) fn check<const D: usize>(
+    domain: &ParticleDomain,
+    plan: &ParticlePlan<D>,
+    faults: &mut Vec<Fault>,
+) {
     for (k, condition) in domain.conditions.iter().enumerate() {
         let wall = match &condition.what {
             What::MovingWall { wall, .. } => *wall,
@@ -82,7 +87,8 @@ pub(super) fn check<const D: usize>(domain: &ParticleDomain, plan: &ParticlePlan
             at_a_side(domain, plan, (condition, g), own().map(|(placed, _)| placed.position), faults);
         }
         if let What::MovingWall { motion: WallMotion::Deform(field), .. } = &condition.what {
-            let astray = own().map(|(placed, _)| embed(&placed.position)).find(|x| field.at(x, 0.0).norm() > 0.0);
+            let astray =
+                own().map(|(placed, _)| embed(&placed.position)).find(|x| field.at(x, 0.0).norm() > 0.0);
             if let Some(x) = astray {
                 let u = field.at(&x, 0.0);
                 faults.push(Fault::at(

@@ -72,9 +72,7 @@ fn solids<'a, const D: usize>(
             distance: Box::new(|x: &Vector<D>| group.shape.signed_distance(&embed(&plan.domain.wrap(x)))),
         })
         .collect();
-    let walled = |k: &usize| {
-        !matches!(domain.boundaries[*k], Boundary::Periodic | Boundary::Open)
-    };
+    let walled = |k: &usize| !matches!(domain.boundaries[*k], Boundary::Periodic | Boundary::Open);
     for k in (0..D).filter(walled) {
         for upper in [false, true] {
             solids.push(Solid {

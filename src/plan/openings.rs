@@ -53,13 +53,8 @@ pub(super) fn add<const D: usize>(
         name: "reserve".into(),
         kind: BodyKind::Solid { slip: Slip::NoSlip, motion: Motion::Still, surface: None },
     });
-    let open = Open {
-        axis,
-        ends,
-        depth: layers as f64 * spacing,
-        fluid: 0,
-        reserve: (bodies.len() - 1) as u8,
-    };
+    let open =
+        Open { axis, ends, depth: layers as f64 * spacing, fluid: 0, reserve: (bodies.len() - 1) as u8 };
     Some(OpeningsPlan { open, group: group as u8, carried, buffered })
 }
 
@@ -100,8 +95,11 @@ fn fill<const D: usize>(
                         plan.domain.min[k] + (cell as f64 + 0.5) * spacing
                     })
                 };
-                let (position, before) =
-                    if upper { (at(cells[axis] + layer), at(cells[axis] - 1)) } else { (at(-1 - layer), at(0)) };
+                let (position, before) = if upper {
+                    (at(cells[axis] + layer), at(cells[axis] - 1))
+                } else {
+                    (at(-1 - layer), at(0))
+                };
                 // What stands at the end goes on beyond it.
                 let wall = walls.iter().find(|(shape, _)| shape.holds(&embed(&before)));
                 let body = match wall {

@@ -1,12 +1,12 @@
 //! Particles of a model: places, bodies of the flow, zones, barriers, sponges.
 
+use super::bodies::motion;
 use crate::error::Fault;
 use crate::fluid::{
     Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Noise, Placed, Setup, Slip, Sponge, Weights,
 };
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Shape, fill};
-use super::bodies::motion;
 use crate::model::conditions::{WallMotion, WallName, What};
 use crate::model::fluid::Velocity;
 use crate::model::groups::Group;

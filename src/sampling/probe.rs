@@ -219,9 +219,8 @@ fn line<'p, const D: usize>(
         };
         Interpolator::new(&places, &carriers, &scene.plan.kernel())
     };
-    let hosts = |s: usize| -> Vec<bool> {
-        scene.home.iter().map(|&g| plan.reactor.habitat[s].holds(g)).collect()
-    };
+    let hosts =
+        |s: usize| -> Vec<bool> { scene.home.iter().map(|&g| plan.reactor.habitat[s].holds(g)).collect() };
     let mut species: Vec<Interpolator<D>> = Vec::new();
     for (k, &s) in probe.species.iter().enumerate() {
         // Species that live in the same groups share their weights.

@@ -64,10 +64,13 @@ pub(super) fn free_body(
         return None;
     }
     if domain.fluid.is_none() {
-        faults.at(&node.place, "a free body is moved by a fluid, and none moves here", "add the section `fluid:`");
+        faults.at(
+            &node.place,
+            "a free body is moved by a fluid, and none moves here",
+            "add the section `fluid:`",
+        );
         return None;
     }
-    let body =
-        FreeBody { density: density?, velocity: velocity?, rate: rate?, acceleration: acceleration? };
+    let body = FreeBody { density: density?, velocity: velocity?, rate: rate?, acceleration: acceleration? };
     Some(What::FreeBody { group, body })
 }

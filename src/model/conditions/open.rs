@@ -29,7 +29,8 @@ pub(super) fn open(
     let d = domain.dimensions;
     let mut fields = Fields::of(node, "open", faults)?;
     let end = fields.required("at", faults).and_then(|n| end_named(n, domain, faults));
-    let velocity = fields.optional("velocity").map(|n| field::read(n, d, Dimension::VELOCITY, network, faults));
+    let velocity =
+        fields.optional("velocity").map(|n| field::read(n, d, Dimension::VELOCITY, network, faults));
     let pressure = fields.optional("pressure").map(|n| n.quantity(Dimension::PRESSURE, faults));
     let species = amounts(&mut fields, domain, network, faults);
     fields.finish(faults);
@@ -80,7 +81,13 @@ fn end_named(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Optio
 }
 
 /// Both ends of an open axis must be described, and one of them must let the pressure out.
-pub(super) fn check(node: Option<&Node>, domain: &ParticleDomain, found: &[Condition], at: &Node, faults: &mut Faults) {
+pub(super) fn check(
+    node: Option<&Node>,
+    domain: &ParticleDomain,
+    found: &[Condition],
+    at: &Node,
+    faults: &mut Faults,
+) {
     let open: Vec<usize> =
         (0..domain.dimensions).filter(|&axis| domain.boundaries[axis] == Boundary::Open).collect();
     let Some(&axis) = open.first() else { return };
@@ -95,7 +102,11 @@ pub(super) fn check(node: Option<&Node>, domain: &ParticleDomain, found: &[Condi
         return;
     }
     if domain.fluid.is_none() {
-        faults.at(&at.place, "particles enter and leave with a fluid, and none moves here", "add the section `fluid:`, or close the box");
+        faults.at(
+            &at.place,
+            "particles enter and leave with a fluid, and none moves here",
+            "add the section `fluid:`, or close the box",
+        );
         return;
     }
     let of = |which: bool| -> Vec<(&Condition, &EndModel)> {
@@ -114,10 +125,15 @@ pub(super) fn check(node: Option<&Node>, domain: &ParticleDomain, found: &[Condi
                 format!("add a condition, e.g. conditions: {{ end: {{ open: {{ at: {name}_{word}, pressure: 0 }} }} }}"),
             );
         } else if let [_, second, ..] = there[..] {
-            faults.at(&second.0.place, format!("a second condition for the end {name}_{word}"), "keep one of them");
+            faults.at(
+                &second.0.place,
+                format!("a second condition for the end {name}_{word}"),
+                "keep one of them",
+            );
         }
     }
-    if let ([(_, EndModel::Velocity(_))], [(second, EndModel::Velocity(_))]) = (&of(false)[..], &of(true)[..]) {
+    if let ([(_, EndModel::Velocity(_))], [(second, EndModel::Velocity(_))]) = (&of(false)[..], &of(true)[..])
+    {
         faults.at(
             &second.place,
             "both ends have a given velocity: nothing sets the pressure, and what enters need not leave",
