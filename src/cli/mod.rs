@@ -16,6 +16,7 @@ mod run;
 mod verbs;
 
 use crate::error::{ModelError, RunError};
+use crate::validation::Scope;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -77,6 +78,9 @@ enum Verb {
         /// All resolutions, also those that take long
         #[arg(long)]
         full: bool,
+        /// Of cases with parts only those whose name holds TEXT: `Re 1000 200`, `Ra 1e5 100`, `320`
+        #[arg(long, value_name = "TEXT")]
+        only: Option<String>,
         /// Folder for tables and figures, one folder a case in it
         #[arg(long, default_value = "reports/validation")]
         out: PathBuf,
@@ -155,7 +159,9 @@ fn perform(verb: Verb) -> Result<(), Stop> {
         Verb::Report { dir } => verbs::report(&dir),
         Verb::Merge { out, blocks, force } => verbs::merge(&out, &blocks, force),
         Verb::Network { file, svg, dot } => verbs::network(&file, svg, dot),
-        Verb::Validate { cases, list, full, out } => verbs::validate(&cases, list, full, &out),
+        Verb::Validate { cases, list, full, only, out } => {
+            verbs::validate(&cases, list, Scope { full, only: only.as_deref() }, &out)
+        }
         Verb::Import { format } => import::import(&format),
         Verb::Completions { shell } => {
             verbs::completions(shell, &mut <Arguments as clap::CommandFactory>::command());

@@ -5,6 +5,7 @@ use crate::chemistry::drawing;
 use crate::error::{Fault, RunError};
 use crate::model::load::{self, Document};
 use crate::results::{self, Results};
+use crate::validation::Scope;
 use crate::{report, tables, validation};
 use std::path::{Path, PathBuf};
 
@@ -86,7 +87,7 @@ pub(crate) fn network(file: &Path, svg: bool, dot: bool) -> Result<(), Stop> {
     Ok(())
 }
 
-pub(crate) fn validate(names: &[String], list: bool, full: bool, out: &Path) -> Result<(), Stop> {
+pub(crate) fn validate(names: &[String], list: bool, scope: Scope, out: &Path) -> Result<(), Stop> {
     if list {
         for case in validation::CASES {
             print(&format!("{:<24} {}\n", case.name, case.what));
@@ -115,7 +116,7 @@ pub(crate) fn validate(names: &[String], list: bool, full: bool, out: &Path) -> 
     }
     let mut failed = false;
     for case in chosen {
-        let verdict = (case.run)(full).map_err(Stop::from)?;
+        let verdict = (case.run)(scope).map_err(Stop::from)?;
         print(&verdict.to_string());
         let dir = out.join(case.name);
         validation::write(&verdict, &dir)?;

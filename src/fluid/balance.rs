@@ -6,8 +6,8 @@
 //! out (Neumann conditions); a periodic box or a closed one, the same.
 
 use crate::fluid::flow::Flow;
-use crate::fluid::terms::continuity::Spread;
 use crate::vector::Vector;
+use nalgebra::SMatrix;
 
 /// Residual, relative to the right-hand side, at which the pressure is good enough: far below the 1 % the pairs
 /// themselves err.
@@ -66,7 +66,7 @@ impl<const D: usize> Flow<D> {
 
     /// V_i rho_i tr(∇v ∇v) of the fluid less its mean, zero for solids.
     fn source(&self) -> Vec<f64> {
-        let mut spread = vec![Spread::<D>::zeros(); self.sides.len()];
+        let mut spread = vec![SMatrix::<f64, D, D>::zeros(); self.sides.len()];
         self.each_way(|i, j, x, f| {
             let (side, other) = (&self.sides[i], &self.sides[j]);
             spread[i] += (side.velocity - other.velocity) * (x * (f * other.volume)).transpose();
@@ -108,7 +108,7 @@ impl<const D: usize> Flow<D> {
                     see(i, c.j as usize, c.x, c.weight);
                     see(c.j as usize, i, -c.x, c.weight);
                 }
-                for c in block.outer.row(row).iter().chain(block.row(row)) {
+                for c in block.outer.row(row).chain(block.row(row)) {
                     see(i, c.j as usize, c.x, c.weight);
                 }
             }

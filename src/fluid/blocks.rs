@@ -3,20 +3,28 @@
 use rayon::prelude::*;
 
 use crate::fluid::domain::{Domain, Shortest};
+use crate::fluid::kernel::Kernel;
 use crate::fluid::neighbours::Grid;
 use crate::fluid::particles::Side;
 use crate::vector::Vector;
 
-/// A pair within the cut-off as the density sweep leaves it for what follows.
+/// A pair within the cut-off.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<const D: usize> {
     /// x_i - x_j, m.
     pub x: Vector<D>,
-    /// F in the row of a fluid particle, W in that of a solid one; r² until the density sweep has seen it.
+    /// F, but W in the row of a solid particle.
     pub weight: f64,
-    /// F of the shift's own kernel, in the row of a fluid particle.
+    /// F of the shift's own kernel, zero without a shift.
     pub f_shift: f64,
     pub j: u32,
+}
+
+/// Where the other of a pair is seen and who it is.
+#[derive(Clone, Copy, Debug)]
+struct Seen<const D: usize> {
+    x: Vector<D>,
+    j: u32,
 }
 
 /// Marks a candidate that is seen round a periodic axis; fewer than 2^31 particles fit any memory of today.
@@ -28,24 +36,51 @@ pub struct Rows<const D: usize> {
     ends: Vec<u32>,
     list: Vec<u32>,
     contact_ends: Vec<u32>,
-    /// The first `contact_ends.last()` are in use.
-    contacts: Vec<Contact<D>>,
+    /// Of the contacts; of this and the next two the first `contact_ends.last()` are in use.
+    seen: Vec<Seen<D>>,
+    /// r² until weighed, then [`Contact::weight`]; apart from `seen` so that kernels are evaluated many at a time.
+    weights: Vec<f64>,
+    shifts: Vec<f64>,
 }
 
 impl<const D: usize> Rows<D> {
     /// Contacts of row `row`.
-    #[inline]
-    #[must_use]
-    pub fn row(&self, row: usize) -> &[Contact<D>] {
-        let start = if row == 0 { 0 } else { self.contact_ends[row - 1] };
-        &self.contacts[start as usize..self.contact_ends[row] as usize]
+    #[inline(always)]
+    pub fn row(&self, row: usize) -> impl Iterator<Item = Contact<D>> + '_ {
+        let start = if row == 0 { 0 } else { self.contact_ends[row - 1] as usize };
+        let mine = start..self.contact_ends[row] as usize;
+        let (seen, weights, shifts) =
+            (&self.seen[mine.clone()], &self.weights[mine.clone()], &self.shifts[mine]);
+        seen.iter().zip(weights).zip(shifts).map(|((seen, &weight), &f_shift)| Contact {
+            x: seen.x,
+            weight,
+            f_shift,
+            j: seen.j,
+        })
     }
 
-    /// Contacts of row `row`, to be weighed.
-    #[inline]
-    pub fn row_mut(&mut self, row: usize) -> &mut [Contact<D>] {
-        let start = if row == 0 { 0 } else { self.contact_ends[row - 1] };
-        &mut self.contacts[start as usize..self.contact_ends[row] as usize]
+    /// Puts F in the place of r², and F of the shift's kernel beside it.
+    #[inline(always)]
+    fn weigh(&mut self, kernel: &Kernel<D>, shift: Option<&Kernel<D>>) {
+        let count = self.contacts() as usize;
+        let (weights, shifts) = (&mut self.weights[..count], &mut self.shifts[..count]);
+        // As many at a time as stay near at hand.
+        for (weights, shifts) in weights.chunks_mut(256).zip(shifts.chunks_mut(256)) {
+            weights.iter_mut().for_each(|weight| *weight = weight.sqrt());
+            if let Some(shift) = shift {
+                shift.fs(weights, shifts);
+            }
+            kernel.fs_in_place(weights);
+        }
+    }
+
+    /// Puts W in the place of F in row `row`.
+    fn weigh_by_value(&mut self, row: usize, kernel: &Kernel<D>) {
+        let start = if row == 0 { 0 } else { self.contact_ends[row - 1] as usize };
+        let mine = start..self.contact_ends[row] as usize;
+        for (weight, seen) in self.weights[mine.clone()].iter_mut().zip(&self.seen[mine]) {
+            *weight = kernel.value(seen.x.norm_squared().sqrt());
+        }
     }
 
     /// Number of contacts.
@@ -83,21 +118,25 @@ impl<const D: usize> Rows<D> {
         for (row, &end) in self.ends.iter().enumerate() {
             let candidates = &self.list[start..end as usize];
             let needed = found + candidates.len();
-            if self.contacts.len() < needed {
+            if self.seen.len() < needed {
                 // A little more at a time: doubling would waste what the lists of a million particles take.
-                self.contacts.reserve_exact(needed + 256 - self.contacts.len());
-                let none = Contact { x: Vector::zeros(), weight: 0.0, f_shift: 0.0, j: 0 };
-                self.contacts.resize(needed + 256, none);
+                let length = needed + 256;
+                self.seen.reserve_exact(length - self.seen.len());
+                self.seen.resize(length, Seen { x: Vector::zeros(), j: 0 });
+                for weights in [&mut self.weights, &mut self.shifts] {
+                    weights.reserve_exact(length - weights.len());
+                    weights.resize(length, 0.0);
+                }
             }
             let here = positions[first + row];
-            let into = &mut self.contacts[found..needed];
+            let (seen, weights) = (&mut self.seen[found..needed], &mut self.weights[found..needed]);
             let mut taken = 0;
             for &candidate in candidates {
                 let j = candidate & !TURNED;
                 let x = separation(&here, &positions[j as usize], candidate & TURNED != 0);
                 let r2 = x.norm_squared();
                 // Written always, kept if near: no branch to be guessed.
-                into[taken] = Contact { x, weight: r2, f_shift: 0.0, j };
+                (seen[taken], weights[taken]) = (Seen { x, j }, r2);
                 taken += usize::from(r2 < limit);
             }
             found += taken;
@@ -129,8 +168,7 @@ impl<const D: usize> Block<D> {
 
     /// Contacts of row `row` between fluid and solid: of a fluid particle its solid ones, of a solid one its fluid.
     #[inline]
-    #[must_use]
-    pub fn row(&self, row: usize) -> &[Contact<D>] {
+    pub fn row(&self, row: usize) -> impl Iterator<Item = Contact<D>> + '_ {
         self.walls.row(row)
     }
 
@@ -140,13 +178,28 @@ impl<const D: usize> Block<D> {
         2 * self.inner.contacts() + self.outer.contacts() + self.walls.contacts()
     }
 
-    /// Finds the contacts among the candidates.
-    pub fn find(&mut self, cutoff: f64, shortest: &Shortest<D>, positions: &[Vector<D>]) {
-        let first = self.first;
+    /// Finds the contacts among the candidates and weighs them.
+    #[inline(always)]
+    pub fn find(
+        &mut self,
+        kernel: &Kernel<D>,
+        shift: Option<&Kernel<D>>,
+        shortest: &Shortest<D>,
+        (positions, sides): (&[Vector<D>], &[Side<D>]),
+    ) {
+        let (first, cutoff) = (self.first, kernel.cutoff());
         self.inner.find(first, cutoff, positions, |a, b, turned| shortest.known(a, b, turned));
         self.outer.find(first, cutoff, positions, |a, b, turned| shortest.known(a, b, turned));
         // Solids are put back into the box at every step.
         self.walls.find(first, cutoff, positions, |a, b, _| shortest.separation(a, b));
+        for rows in [&mut self.inner, &mut self.outer, &mut self.walls] {
+            rows.weigh(kernel, shift);
+        }
+        if self.walls.contacts() > 0 {
+            for row in (0..self.near_solid.len()).filter(|&row| sides[first + row].is_solid()) {
+                self.walls.weigh_by_value(row, kernel);
+            }
+        }
     }
 
     /// Fills the lists: a fluid particle sees everyone, a solid one only fluid.
@@ -252,13 +305,14 @@ mod tests {
         let mut blocks = Vec::new();
         build_blocks(&mut blocks, &positions, &sides, &domain, 1.1 * cutoff, mutual);
         let mut found = Vec::new();
+        let kernel = Kernel::new(crate::fluid::KernelKind::Lucy, cutoff);
         for block in &mut blocks {
-            block.find(cutoff, &domain.shortest(), &positions);
+            block.find(&kernel, None, &domain.shortest(), (&positions, &sides));
             for row in 0..block.near_solid.len() {
                 let i = (block.first + row) as u32;
-                assert!(mutual || block.inner.row(row).is_empty());
-                found.extend(block.inner.row(row).iter().flat_map(|c| [(i, c.j), (c.j, i)]));
-                found.extend(block.outer.row(row).iter().chain(block.row(row)).map(|c| (i, c.j)));
+                assert!(mutual || block.inner.row(row).next().is_none());
+                found.extend(block.inner.row(row).flat_map(|c| [(i, c.j), (c.j, i)]));
+                found.extend(block.outer.row(row).chain(block.row(row)).map(|c| (i, c.j)));
             }
         }
         found.sort_unstable();

@@ -31,11 +31,11 @@ impl<const D: usize> Flow<D> {
                         }
                     };
                     for c in block.inner.row(row) {
-                        add(i, c.j as usize, c);
-                        add(c.j as usize, i, c);
+                        add(i, c.j as usize, &c);
+                        add(c.j as usize, i, &c);
                     }
                     for c in block.outer.row(row) {
-                        add(i, c.j as usize, c);
+                        add(i, c.j as usize, &c);
                     }
                 }
                 sums.into_iter().map(|(mass, volume)| mass / volume).collect()

@@ -4,16 +4,17 @@ use crate::error::RunError;
 use crate::fluid::blocks::Block;
 use crate::fluid::domain::{Domain, Shortest};
 use crate::fluid::kernel::Kernel;
+use crate::fluid::mirror::Mirror;
 use crate::fluid::noise::ThermalNoise;
 use crate::fluid::open::{Open, Openings};
 use crate::fluid::particles::{Material, Own, Side};
-use crate::fluid::pass::{Rates, Terms};
+use crate::fluid::pass::Rates;
+use crate::fluid::physics::Terms;
 use crate::fluid::setup::{Body, BodyKind, EquationOfState, Friction, Method, Setup, Slip, Sponge};
 use crate::fluid::symmetric::Symmetric;
 use crate::fluid::terms::{
     Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity,
 };
-use crate::fluid::wall::Mirror;
 use crate::vector::Vector;
 
 /// A flow in progress.
@@ -135,6 +136,11 @@ impl<const D: usize> Flow<D> {
                 start: placed.position,
                 acceleration: Vector::zeros(),
                 lift: Vector::zeros(),
+                bend: Vector::zeros(),
+                depth: match &setup.bodies[placed.body as usize].kind {
+                    BodyKind::Solid { surface: Some(surface), .. } => -surface(&placed.position),
+                    _ => 0.0,
+                },
                 fraction: if fluid { 0.0 } else { 1.0 },
             });
         }
@@ -279,6 +285,6 @@ fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
         viscosity: Viscosity { form },
         transport_stress: moved.then_some(TransportStress),
         shift: moved.then_some(Shift::new(shift, setup.cutoff, setup.reference_speed)),
-        noise: setup.noise.as_ref().map(|noise| ThermalNoise::new(noise, form)),
+        noise: setup.noise.as_ref().map(ThermalNoise::new),
     }
 }

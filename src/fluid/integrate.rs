@@ -8,13 +8,14 @@ use rayon::prelude::*;
 use crate::error::RunError;
 use crate::fluid::blocks::{Block, build_blocks};
 use crate::fluid::flow::Flow;
+use crate::fluid::mirror::{Continuation, Moving, mirror};
 use crate::fluid::order::along_a_curve;
 use crate::fluid::pass::{sweep_densities, sweep_forces, sweep_reactions};
 use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
 use crate::fluid::terms::continuity::corrected_rate;
 use crate::fluid::terms::{Continuity, Moment};
-use crate::fluid::wall::{Obstacles, carry, mirror};
+use crate::fluid::wall::{Obstacles, carry};
 use crate::vector::Vector;
 
 /// Relative change of density at which a run is given up.
@@ -301,7 +302,9 @@ impl<const D: usize> Flow<D> {
     /// What solids show to the fluid from here to the end of the step.
     pub(super) fn mirrors(&mut self) {
         let (bodies, sides, positions, time) = (&self.bodies, &self.sides, &self.positions, self.time);
-        let (own, gravity) = (&self.own, &self.setup.gravity);
+        let (own, gravity) = (&self.own, self.setup.gravity);
+        // Noise between fluid and solids is that of the mean.
+        let parabola = self.terms.moment.is_some() && self.terms.noise.is_none();
         if self.solids.is_empty() {
             return;
         }
@@ -310,9 +313,18 @@ impl<const D: usize> Flow<D> {
                 for (row, out) in mirrors.iter_mut().enumerate() {
                     let i = block.first + row;
                     if let BodyKind::Solid { motion, .. } = &bodies[sides[i].body as usize].kind {
-                        let pull = motion.acceleration(&positions[i], time);
-                        let wall = |x: &Vector<D>| motion.velocity(&(positions[i] + x), time);
-                        *out = mirror(block, row, (sides, own), wall, pull, gravity);
+                        let depth = own[i].depth;
+                        let continuation = match parabola && depth > 0.0 {
+                            true => Continuation::Parabola { depth },
+                            false => Continuation::Mean,
+                        };
+                        let wall = Moving {
+                            velocity: |x: &Vector<D>| motion.velocity(&(positions[i] + x), time),
+                            acceleration: motion.acceleration(&positions[i], time),
+                            gravity,
+                            continuation,
+                        };
+                        *out = mirror(block, row, (sides, own), &wall);
                     }
                 }
             },
@@ -363,6 +375,10 @@ impl<const D: usize> Flow<D> {
                 (bounces, inside, furthest)
             })
             .reduce(|| (0, 0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2.max(b.2)));
+        if !self.solids.is_empty() && self.terms.noise.is_none() {
+            let own = self.own.par_chunks_mut(Block::<D>::SIZE);
+            self.blocks.par_iter().zip(own).for_each(|(block, own)| Self::bend(block, own, terms, sides));
+        }
         self.tally.bounces += bounces;
         self.tally.penetrations += penetrations;
         self.travel += furthest.sqrt();

@@ -84,18 +84,38 @@ impl<const D: usize> Kernel<D> {
     #[inline]
     #[must_use]
     pub fn f(&self, r: f64) -> f64 {
-        let q = r * self.inverse_h;
-        let s = 1.0 - q;
-        if s <= 0.0 {
-            return 0.0;
-        }
-        self.a_f
-            * match self.kind {
-                KernelKind::Lucy => 12.0 * s * s,
-                KernelKind::CubicSpline if q < 0.5 => 12.0 - 18.0 * q,
-                KernelKind::CubicSpline => 6.0 * s * s / q,
-                KernelKind::Wendland => 20.0 * s * s * s,
+        let mut one = [r];
+        self.fs_in_place(&mut one);
+        one[0]
+    }
+
+    /// F of every distance `r` (m) into `out`.
+    #[inline(always)]
+    pub fn fs(&self, r: &[f64], out: &mut [f64]) {
+        out.copy_from_slice(r);
+        self.fs_in_place(out);
+    }
+
+    /// F in the place of every distance (m): one loop a shape, which the compiler turns into many at a time.
+    #[inline(always)]
+    pub fn fs_in_place(&self, r: &mut [f64]) {
+        match self.kind {
+            KernelKind::Lucy => self.each(r, |_, s| 12.0 * s * s),
+            KernelKind::CubicSpline => {
+                self.each(r, |q, s| if q < 0.5 { 12.0 - 18.0 * q } else { 6.0 * s * s / q });
             }
+            KernelKind::Wendland => self.each(r, |_, s| 20.0 * s * s * s),
+        }
+    }
+
+    /// a/h² `shape(q, 1 - q)` in the place of every distance (m), with 1 - q not below zero.
+    #[inline(always)]
+    fn each(&self, r: &mut [f64], shape: impl Fn(f64, f64) -> f64) {
+        for r in r {
+            let q = *r * self.inverse_h;
+            let s = 1.0 - q;
+            *r = self.a_f * shape(q, if s > 0.0 { s } else { 0.0 });
+        }
     }
 }
 

@@ -93,7 +93,7 @@ impl<const D: usize> Flow<D> {
 
     /// Friction per volume at the velocities `u`, zero for solids.
     fn rub(&self, u: &[Vector<D>], out: &mut [Vector<D>]) {
-        let terms = &self.terms;
+        let (terms, makeup) = (&self.terms, self.terms.makeup());
         let friction = |rub: f64, x: &Vector<D>, apart: Vector<D>| {
             let mut force = Vector::zeros();
             terms.viscosity.pair(rub, x, &apart, &mut force);
@@ -103,24 +103,25 @@ impl<const D: usize> Flow<D> {
         self.blocks.par_iter().zip(out.par_chunks_mut(Block::<D>::SIZE)).for_each(|(block, out)| {
             out.fill(Vector::zeros());
             let first = block.first;
-            let seen = |c: &Contact<D>| (c.j as usize, Pair { x: c.x, f: c.weight, f_shift: c.f_shift });
+            let seen = |c: Contact<D>| (c.j as usize, Pair::new(&c));
             for row in 0..out.len() {
                 let (i, side) = (first + row, &self.sides[first + row]);
-                for (j, p) in block.inner.row(row).iter().map(seen) {
+                for (j, p) in block.inner.row(row).map(seen) {
                     let other = &self.sides[j];
-                    let force = friction(terms.rub::<false>(&p, side, other), &p.x, u[i] - u[j]);
+                    let force = friction(terms.rub::<false>(makeup, &p, side, other), &p.x, u[i] - u[j]);
                     out[row] += force * other.volume;
                     out[j - first] -= force * side.volume;
                 }
-                for (j, p) in block.outer.row(row).iter().map(seen) {
+                for (j, p) in block.outer.row(row).map(seen) {
                     let other = &self.sides[j];
-                    out[row] +=
-                        friction(terms.rub::<false>(&p, side, other), &p.x, u[i] - u[j]) * other.volume;
+                    out[row] += friction(terms.rub::<false>(makeup, &p, side, other), &p.x, u[i] - u[j])
+                        * other.volume;
                 }
                 if block.near_solid[row] {
-                    for (j, p) in block.row(row).iter().map(seen) {
+                    for (j, p) in block.row(row).map(seen) {
                         let other = &self.sides[j];
-                        out[row] += friction(terms.rub::<true>(&p, side, other), &p.x, u[i]) * other.volume;
+                        out[row] +=
+                            friction(terms.rub::<true>(makeup, &p, side, other), &p.x, u[i]) * other.volume;
                     }
                 }
             }

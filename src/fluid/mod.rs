@@ -6,7 +6,7 @@
 //! | [`kernel`], [`domain`], [`neighbours`] | W and its gradient; the box; who is near whom |
 //! | [`order`], [`blocks`] | particles in the order of a space-filling curve; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
-//! | [`particles`], [`pass`], [`terms`] | state; the sweeps over pairs; one equation each |
+//! | [`particles`], [`pass`], [`physics`], [`terms`] | state; the sweeps over pairs; what they add up; one equation each |
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
@@ -27,6 +27,7 @@ pub mod integrate;
 pub mod interpolate;
 pub mod kernel;
 pub mod limit;
+pub mod mirror;
 pub mod motion;
 pub mod neighbours;
 pub mod noise;
@@ -35,6 +36,7 @@ pub mod open;
 pub mod order;
 pub mod particles;
 pub mod pass;
+pub mod physics;
 pub mod reaction;
 pub mod rigid;
 pub mod setup;

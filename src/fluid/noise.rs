@@ -45,16 +45,15 @@ pub struct ThermalNoise<const D: usize> {
     energy: f64,
     /// 2 a kT/dt, zero without a step.
     power: f64,
-    form: Friction,
 }
 
 impl<const D: usize> ThermalNoise<D> {
-    /// The noise that matches a form of friction.
+    /// The noise of a seed and a realization.
     #[must_use]
-    pub fn new(noise: &Noise, form: Friction) -> ThermalNoise<D> {
+    pub fn new(noise: &Noise) -> ThermalNoise<D> {
         // As for the streams of `random`: the key spread over all bits, once for each part.
         let key = mix(mix(mix(noise.seed) ^ noise.realization) ^ Purpose::Noise as u64);
-        ThermalNoise { key, step_key: key, energy: noise.energy, power: 0.0, form }
+        ThermalNoise { key, step_key: key, energy: noise.energy, power: 0.0 }
     }
 
     /// Makes ready for step number `step` of length `dt` (s) with the coefficient `a` of the friction; silent if
@@ -72,20 +71,29 @@ impl<const D: usize> ThermalNoise<D> {
         Vector::from_fn(|k, _| deviate(bits >> (21 * k)))
     }
 
-    /// Force per volume of i and of j, N/m³ times m^-D, from `rub` = eta_ij F c_ij.
+    /// Force per volume of i and of j, N/m³ times m^-D, that matches a form of friction of strength `rub` = eta_ij F c_ij.
     #[inline(always)]
-    pub fn pair(&self, rub: f64, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Vector<D>) {
+    pub fn pair(&self, form: Friction, rub: f64, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Vector<D>) {
         let size = (self.power * rub / (i.volume * j.volume)).sqrt();
         let signed = f64::from_bits(size.to_bits() | u64::from(i.id > j.id) << 63);
-        *out += self.shape(self.draw(i.id, j.id), &p.x) * signed;
+        *out += shape(form, self.draw(i.id, j.id), &p.x) * signed;
     }
 
     /// The same between fluid i and solid j, where `share` is the part s_i of i in what j mirrors.
     #[inline(always)]
-    pub fn solid(&self, rub: f64, share: f64, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Vector<D>) {
+    pub fn solid(
+        &self,
+        form: Friction,
+        rub: f64,
+        share: f64,
+        p: &Pair<D>,
+        i: &Side<D>,
+        j: &Side<D>,
+        out: &mut Vector<D>,
+    ) {
         let size = (self.power * rub / (i.volume * j.volume)).sqrt();
         let n = self.draw(i.id, j.id) + self.draw(j.id, j.id) * share.sqrt();
-        *out += self.shape(n, &p.x) * size;
+        *out += shape(form, n, &p.x) * size;
     }
 
     /// The torque on body number `body` that goes with its friction a `rub` ω, `rub` in kg m²/s per unit thickness.
@@ -95,16 +103,14 @@ impl<const D: usize> ThermalNoise<D> {
         let bits = mix(self.step_key ^ (u64::from(u32::MAX - u32::from(body)) << 32 | u64::from(u32::MAX)));
         std::array::from_fn(|k| deviate(bits >> (21 * k)) * (self.power * rub).sqrt())
     }
+}
 
-    /// Deviates with the covariance of the friction: 1, or 1 + e⊗e.
-    #[inline(always)]
-    fn shape(&self, n: Vector<D>, x: &Vector<D>) -> Vector<D> {
-        match self.form {
-            Friction::Morris => n,
-            Friction::EspanolRevenga => {
-                n + x * ((std::f64::consts::SQRT_2 - 1.0) * n.dot(x) / x.norm_squared())
-            }
-        }
+/// Deviates with the covariance of the friction: 1, or 1 + e⊗e.
+#[inline(always)]
+fn shape<const D: usize>(form: Friction, n: Vector<D>, x: &Vector<D>) -> Vector<D> {
+    match form {
+        Friction::Morris => n,
+        Friction::EspanolRevenga => n + x * ((std::f64::consts::SQRT_2 - 1.0) * n.dot(x) / x.norm_squared()),
     }
 }
 
@@ -126,8 +132,7 @@ mod tests {
 
     #[test]
     fn neighbours_and_steps_draw_independently() {
-        let mut noise =
-            ThermalNoise::<3>::new(&Noise { energy: 1.0, seed: 5, realization: 2 }, Friction::Morris);
+        let mut noise = ThermalNoise::<3>::new(&Noise { energy: 1.0, seed: 5, realization: 2 });
         let (mut square, mut next, mut later, mut axes, mut fourth) = (0.0, 0.0, 0.0, 0.0, 0.0);
         let pairs = 40_000_u32;
         for n in 0..pairs {
@@ -158,7 +163,7 @@ mod tests {
         let there = Pair { x, f: 1.0, f_shift: 1.0 };
         let back = Pair { x: -x, ..there };
         for form in [Friction::Morris, Friction::EspanolRevenga] {
-            let mut noise = ThermalNoise::<2>::new(&Noise { energy: 2.0, seed: 1, realization: 0 }, form);
+            let mut noise = ThermalNoise::<2>::new(&Noise { energy: 2.0, seed: 1, realization: 0 });
             let (mut along, mut across) = (0.0, 0.0);
             let count = 40_000;
             for step in 0..count {
@@ -166,8 +171,8 @@ mod tests {
                 let (mut a, mut b) = (side::<2>(1.0, 0.0), side::<2>(1.0, 0.0));
                 (a.id, b.id) = (3, 8);
                 let (mut on_a, mut on_b) = (Vector::zeros(), Vector::zeros());
-                noise.pair(0.25, &there, &a, &b, &mut on_a);
-                noise.pair(0.25, &back, &b, &a, &mut on_b);
+                noise.pair(form, 0.25, &there, &a, &b, &mut on_a);
+                noise.pair(form, 0.25, &back, &b, &a, &mut on_b);
                 assert_eq!(on_a, -on_b);
                 along += on_a.dot(&x).powi(2);
                 across += (on_a[0] * x[1] - on_a[1] * x[0]).powi(2);

@@ -66,6 +66,10 @@ pub struct Own<const D: usize> {
     pub acceleration: Vector<D>,
     /// Acceleration of this particle besides gravity, m/s²: buoyancy.
     pub lift: Vector<D>,
+    /// ∇²v of a fluid particle near a solid, as its friction sums it, 1/(m s).
+    pub bend: Vector<D>,
+    /// Of a solid particle how deep it lies behind the surface, m; zero where that is not known.
+    pub depth: f64,
     /// Volume fraction of solid around the particle.
     pub fraction: f64,
 }

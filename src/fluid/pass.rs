@@ -8,13 +8,11 @@
 use crate::fluid::blocks::{Block, Contact};
 use crate::fluid::domain::Shortest;
 use crate::fluid::kernel::Kernel;
-use crate::fluid::noise::ThermalNoise;
 use crate::fluid::particles::Side;
+use crate::fluid::physics::{Makeup, Terms};
 use crate::fluid::symmetric::Symmetric;
+use crate::fluid::terms::Shift;
 use crate::fluid::terms::continuity::Spread;
-use crate::fluid::terms::{
-    Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity, viscosity,
-};
 use crate::vector::Vector;
 
 /// The geometry of a pair: x = x_i - x_j (m) and F (m^-(D+2)); the gradient of W is -F x.
@@ -24,6 +22,15 @@ pub struct Pair<const D: usize> {
     pub f: f64,
     /// F of the shift's own kernel.
     pub f_shift: f64,
+}
+
+impl<const D: usize> Pair<D> {
+    /// The pair of a contact in the row of a fluid particle.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(c: &Contact<D>) -> Pair<D> {
+        Pair { x: c.x, f: c.weight, f_shift: c.f_shift }
+    }
 }
 
 /// A pair for the rates of density.
@@ -40,6 +47,13 @@ pub struct Approach<const D: usize> {
 }
 
 impl<const D: usize> Approach<D> {
+    /// The approach of i and j at a contact in the row of a fluid particle.
+    #[inline(always)]
+    fn new(c: &Contact<D>, i: &Side<D>, j: &Side<D>) -> Approach<D> {
+        let apart = i.velocity - j.velocity;
+        Approach { x: c.x, f: c.weight, apart, opening: apart.dot(&c.x) }
+    }
+
     /// The same pair seen from j.
     #[inline(always)]
     #[must_use]
@@ -47,10 +61,16 @@ impl<const D: usize> Approach<D> {
         Approach { x: -self.x, apart: -self.apart, ..*self }
     }
 
-    /// F (v_i - v_j)⊗x, the same from both sides.
+    /// F x⊗x, the same from both sides.
+    #[inline(always)]
+    fn moment(&self) -> Symmetric<D> {
+        Symmetric::of(&(self.x * self.f), &self.x)
+    }
+
+    /// The symmetric part of F (v_i - v_j)⊗x, the same from both sides.
     #[inline(always)]
     fn spread(&self) -> Spread<D> {
-        self.apart * (self.x * self.f).transpose()
+        Symmetric::of(&self.apart, &(self.x * self.f))
     }
 }
 
@@ -61,7 +81,7 @@ pub struct Rates<const D: usize> {
     pub density: f64,
     /// Σ V_j F x⊗x.
     pub moment: Symmetric<D>,
-    /// Σ V_j F (v_i - v_j)⊗x, 1/s.
+    /// The symmetric part of Σ V_j F (v_i - v_j)⊗x, 1/s.
     pub spread: Spread<D>,
     /// Force per volume, N/m³.
     pub force: Vector<D>,
@@ -80,88 +100,12 @@ impl<const D: usize> Default for Rates<D> {
         Rates {
             density: 0.0,
             moment,
-            spread: Spread::zeros(),
+            spread: moment,
             force: none,
             crowding: none,
             fraction: 0.0,
             correction: none,
         }
-    }
-}
-
-/// The physics of a flow. Optional physics is an `Option`.
-pub struct Terms<const D: usize> {
-    pub continuity: Continuity,
-    pub density_diffusion: Option<DensityDiffusion>,
-    pub moment: Option<Moment>,
-    pub pressure: Pressure,
-    pub viscosity: Viscosity,
-    pub transport_stress: Option<TransportStress>,
-    pub shift: Option<Shift<D>>,
-    pub noise: Option<ThermalNoise<D>>,
-}
-
-impl<const D: usize> Terms<D> {
-    /// Whether j feels the opposite of what i feels, so that a pair need be evaluated only once.
-    #[must_use]
-    pub fn are_mutual(&self) -> bool {
-        self.pressure != Pressure::Switched
-    }
-
-    /// What the density of i gains from j, per volume of j; kg/m³/s times m^-D.
-    #[inline(always)]
-    fn density(&self, a: &Approach<D>, i: &Side<D>, j: &Side<D>) -> f64 {
-        let mut out = 0.0;
-        self.continuity.pair(a, i, j, &mut out);
-        if let Some(diffusion) = &self.density_diffusion {
-            diffusion.pair(a, i, j, &mut out);
-        }
-        out
-    }
-
-    /// eta_ij F c_ij: the strength of friction between i and j, with a solid if `SOLID`. The solid takes the factor c of the fluid.
-    #[inline(always)]
-    pub fn rub<const SOLID: bool>(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>) -> f64 {
-        let rub = viscosity::between(i, j) * p.f;
-        match &self.moment {
-            Some(moment) => rub * moment.pair(&p.x, &i.moment, if SOLID { &i.moment } else { &j.moment }),
-            None => rub,
-        }
-    }
-
-    /// The force between fluid i and j, N/m³ times m^-D: V_j of it is the force per volume of i.
-    #[inline(always)]
-    fn force(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>) -> Vector<D> {
-        let mut out = Vector::zeros();
-        self.pressure.pair(p, i, j, &mut out);
-        let rub = self.rub::<false>(p, i, j);
-        self.viscosity.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
-        if let Some(stress) = &self.transport_stress {
-            stress.pair(p, i, j, &mut out);
-        }
-        if let Some(noise) = &self.noise {
-            noise.pair(rub, p, i, j, &mut out);
-        }
-        out
-    }
-
-    /// The force between fluid i and solid j, N/m³ times m^-D; `share` is the part of i in what j mirrors.
-    #[inline(always)]
-    pub fn force_of_solid(&self, p: &Pair<D>, i: &Side<D>, j: &Side<D>, share: f64) -> Vector<D> {
-        let mut out = Vector::zeros();
-        self.pressure.pair(p, i, j, &mut out);
-        let rub = self.rub::<true>(p, i, j);
-        self.viscosity.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
-        if let Some(noise) = &self.noise {
-            noise.solid(rub, share, p, i, j, &mut out);
-        }
-        out
-    }
-
-    /// The weights of a pair at distance `r` (m).
-    #[inline(always)]
-    fn weights(&self, kernel: &Kernel<D>, r: f64) -> (f64, f64) {
-        (kernel.f(r), self.shift.as_ref().map_or(0.0, |shift| shift.f(r)))
     }
 }
 
@@ -182,80 +126,119 @@ pub fn sweep_densities<const D: usize>(
     positions: &[Vector<D>],
     sides: &[Side<D>],
 ) {
-    block.find(kernel.cutoff(), shortest, positions);
-    let first = block.first;
+    block.find(kernel, terms.shift_kernel(), shortest, (positions, sides));
     for rates in rates.iter_mut() {
         (rates.density, rates.fraction) = (0.0, 0.0);
-        (rates.moment, rates.spread) = (Symmetric::identity(0.0), Spread::zeros());
+        (rates.moment, rates.spread) = (Symmetric::identity(0.0), Spread::identity(0.0));
     }
-    let corrected = terms.continuity == Continuity::Corrected;
-    for row in 0..rates.len() {
-        let i = &sides[first + row];
-        let (mut density, mut moment, mut spread) = (0.0, Symmetric::identity(0.0), Spread::zeros());
-        for c in block.inner.row_mut(row) {
-            let j = &sides[c.j as usize];
-            let approach = weigh(c, terms, kernel, i, j);
-            let back = approach.back();
-            let other = &mut rates[c.j as usize - first];
-            density += j.volume * terms.density(&approach, i, j);
-            other.density += i.volume * terms.density(&back, j, i);
-            if terms.moment.is_some() {
-                moment.add_square(&c.x, j.volume * approach.f);
-                other.moment.add_square(&c.x, i.volume * approach.f);
-            }
-            if corrected {
-                let between = approach.spread();
-                spread += between * j.volume;
-                other.spread += between * i.volume;
-            }
-        }
-        for c in block.outer.row_mut(row) {
-            let j = &sides[c.j as usize];
-            let approach = weigh(c, terms, kernel, i, j);
-            density += j.volume * terms.density(&approach, i, j);
-            if terms.moment.is_some() {
-                moment.add_square(&c.x, j.volume * approach.f);
-            }
-            if corrected {
-                spread += approach.spread() * j.volume;
-            }
-        }
-        if i.is_solid() {
-            for c in block.walls.row_mut(row) {
-                c.weight = kernel.value(c.weight.sqrt());
-                density += sides[c.j as usize].volume * c.weight;
-            }
-            rates[row].fraction = 1.0;
-        } else if block.near_solid[row] {
-            rates[row].fraction = fraction(block, row, i, kernel, sides);
-            for c in block.walls.row_mut(row) {
-                let j = &sides[c.j as usize];
-                let approach = weigh(c, terms, kernel, i, j);
-                density += j.volume * terms.density(&approach, i, j);
-                moment.add_square(&c.x, j.volume * approach.f);
-                if corrected {
-                    spread += approach.spread() * j.volume;
-                }
-            }
-        }
-        rates[row].density += density;
-        rates[row].moment.add(&moment);
-        rates[row].spread += spread;
+    // A copy of the sums for each usual set of terms.
+    match terms.makeup() {
+        Makeup::FLOW => sum_densities(Makeup::FLOW, block, rates, terms, sides),
+        Makeup::THERMAL_FLOW => sum_densities(Makeup::THERMAL_FLOW, block, rates, terms, sides),
+        Makeup::BATH => sum_densities(Makeup::BATH, block, rates, terms, sides),
+        Makeup::THERMAL_BATH => sum_densities(Makeup::THERMAL_BATH, block, rates, terms, sides),
+        any => sum_densities(any, block, rates, terms, sides),
+    }
+    if block.walls.contacts() > 0 {
+        densities_at_walls(block, rates, terms, kernel, sides);
     }
 }
 
-/// Puts F in the place of the r² a contact was found with.
+/// What fluid gets from fluid in the first sweep.
 #[inline(always)]
-fn weigh<const D: usize>(
-    c: &mut Contact<D>,
+fn sum_densities<const D: usize>(
+    makeup: Makeup,
+    block: &Block<D>,
+    rates: &mut [Rates<D>],
+    terms: &Terms<D>,
+    sides: &[Side<D>],
+) {
+    let first = block.first;
+    for row in 0..rates.len() {
+        let i = &sides[first + row];
+        let mut sum = Gain::default();
+        for c in block.inner.row(row) {
+            let j = &sides[c.j as usize];
+            let approach = Approach::new(&c, i, j);
+            let other = &mut rates[c.j as usize - first];
+            sum.density += j.volume * terms.density(makeup, &approach, i, j);
+            other.density += i.volume * terms.density(makeup, &approach.back(), j, i);
+            if makeup.moment {
+                let between = approach.moment();
+                sum.moment.add_scaled(&between, j.volume);
+                other.moment.add_scaled(&between, i.volume);
+            }
+            if makeup.spreads() {
+                let between = approach.spread();
+                sum.spread.add_scaled(&between, j.volume);
+                other.spread.add_scaled(&between, i.volume);
+            }
+        }
+        for c in block.outer.row(row) {
+            sum.see(makeup, terms, &c, i, &sides[c.j as usize]);
+        }
+        sum.give(&mut rates[row]);
+    }
+}
+
+/// What fluid and solid get from each other in the first sweep.
+fn densities_at_walls<const D: usize>(
+    block: &Block<D>,
+    rates: &mut [Rates<D>],
     terms: &Terms<D>,
     kernel: &Kernel<D>,
-    i: &Side<D>,
-    j: &Side<D>,
-) -> Approach<D> {
-    (c.weight, c.f_shift) = terms.weights(kernel, c.weight.sqrt());
-    let apart = i.velocity - j.velocity;
-    Approach { x: c.x, f: c.weight, apart, opening: apart.dot(&c.x) }
+    sides: &[Side<D>],
+) {
+    let makeup = terms.makeup();
+    for (row, rates) in rates.iter_mut().enumerate() {
+        let i = &sides[block.first + row];
+        if i.is_solid() {
+            rates.density += block.walls.row(row).map(|c| sides[c.j as usize].volume * c.weight).sum::<f64>();
+            rates.fraction = 1.0;
+        } else if block.near_solid[row] {
+            rates.fraction = fraction(block, row, i, kernel, sides);
+            let mut sum = Gain::default();
+            for c in block.walls.row(row) {
+                sum.see(makeup, terms, &c, i, &sides[c.j as usize]);
+            }
+            sum.give(rates);
+        }
+    }
+}
+
+/// What a particle gains in the first sweep.
+struct Gain<const D: usize> {
+    density: f64,
+    moment: Symmetric<D>,
+    spread: Spread<D>,
+}
+
+impl<const D: usize> Default for Gain<D> {
+    fn default() -> Gain<D> {
+        Gain { density: 0.0, moment: Symmetric::identity(0.0), spread: Spread::identity(0.0) }
+    }
+}
+
+impl<const D: usize> Gain<D> {
+    /// Adds what i gains from j.
+    #[inline(always)]
+    fn see(&mut self, makeup: Makeup, terms: &Terms<D>, c: &Contact<D>, i: &Side<D>, j: &Side<D>) {
+        let approach = Approach::new(c, i, j);
+        self.density += j.volume * terms.density(makeup, &approach, i, j);
+        if makeup.moment {
+            self.moment.add_scaled(&approach.moment(), j.volume);
+        }
+        if makeup.spreads() {
+            self.spread.add_scaled(&approach.spread(), j.volume);
+        }
+    }
+
+    #[inline(always)]
+    fn give(&self, rates: &mut Rates<D>) {
+        rates.density += self.density;
+        rates.moment.add_scaled(&self.moment, 1.0);
+        rates.spread.add_scaled(&self.spread, 1.0);
+    }
 }
 
 /// Volume fraction of solid, phi_i = Σ_solid V_j W / Σ_all V_j W, i itself included; SPH-BVF Eq. (45). Leaving i out
@@ -267,10 +250,10 @@ fn fraction<const D: usize>(
     kernel: &Kernel<D>,
     sides: &[Side<D>],
 ) -> f64 {
-    let share = |c: &Contact<D>| sides[c.j as usize].volume * kernel.value(c.x.norm());
-    let solid: f64 = block.walls.row(row).iter().map(share).sum();
+    let share = |c: Contact<D>| sides[c.j as usize].volume * kernel.value(c.x.norm());
+    let solid: f64 = block.walls.row(row).map(share).sum();
     // A particle near solids has all its fluid neighbours in the outer list.
-    let fluid: f64 = block.outer.row(row).iter().map(share).sum();
+    let fluid: f64 = block.outer.row(row).map(share).sum();
     solid / (i.volume * kernel.value(0.0) + fluid + solid)
 }
 
@@ -282,54 +265,81 @@ pub fn sweep_forces<const D: usize>(
     kernel: &Kernel<D>,
     sides: &[Side<D>],
 ) {
-    let first = block.first;
     let none = Vector::zeros();
     for rates in rates.iter_mut() {
         (rates.force, rates.crowding, rates.correction) = (none, none, none);
     }
+    match terms.makeup() {
+        Makeup::FLOW => sum_forces(Makeup::FLOW, block, rates, terms, sides),
+        Makeup::THERMAL_FLOW => sum_forces(Makeup::THERMAL_FLOW, block, rates, terms, sides),
+        Makeup::BATH => sum_forces(Makeup::BATH, block, rates, terms, sides),
+        Makeup::THERMAL_BATH => sum_forces(Makeup::THERMAL_BATH, block, rates, terms, sides),
+        any => sum_forces(any, block, rates, terms, sides),
+    }
+    if block.walls.contacts() > 0 {
+        forces_at_walls(block, rates, terms, kernel, sides);
+    }
+}
+
+/// What fluid gets from fluid in the second sweep.
+#[inline(always)]
+fn sum_forces<const D: usize>(
+    makeup: Makeup,
+    block: &Block<D>,
+    rates: &mut [Rates<D>],
+    terms: &Terms<D>,
+    sides: &[Side<D>],
+) {
+    let first = block.first;
     for row in 0..rates.len() {
         let i = &sides[first + row];
-        if i.is_solid() {
-            continue;
-        }
-        let (mut force, mut crowding) = (none, none);
+        let (mut force, mut crowding) = (Vector::zeros(), Vector::zeros());
         for c in block.inner.row(row) {
             let j = &sides[c.j as usize];
-            let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
-            let between = terms.force(&pair, i, j);
+            let pair = Pair::new(&c);
+            let between = terms.force(makeup, &pair, i, j);
             let other = &mut rates[c.j as usize - first];
             force += between * j.volume;
             other.force -= between * i.volume;
-            if let Some(shift) = &terms.shift {
-                let mut between = none;
-                shift.pair(&pair, &mut between);
+            if makeup.shift {
+                let between = Shift::pair(&pair);
                 crowding += between * j.volume;
                 other.crowding -= between * i.volume;
             }
         }
         for c in block.outer.row(row) {
             let j = &sides[c.j as usize];
-            let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
-            force += terms.force(&pair, i, j) * j.volume;
-            if let Some(shift) = &terms.shift {
-                let mut between = none;
-                shift.pair(&pair, &mut between);
-                crowding += between * j.volume;
-            }
-        }
-        for c in block.walls.row(row) {
-            let j = &sides[c.j as usize];
-            let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
-            let share = if terms.noise.is_some() { share(kernel, &c.x, i, j) } else { 0.0 };
-            force += terms.force_of_solid(&pair, i, j, share) * j.volume;
-            if let Some(shift) = &terms.shift {
-                let mut between = none;
-                shift.pair(&pair, &mut between);
-                crowding += between * j.volume;
+            let pair = Pair::new(&c);
+            force += terms.force(makeup, &pair, i, j) * j.volume;
+            if makeup.shift {
+                crowding += Shift::pair(&pair) * j.volume;
             }
         }
         rates[row].force += force;
         rates[row].crowding += crowding;
+    }
+}
+
+/// What fluid gets from solids in the second sweep.
+fn forces_at_walls<const D: usize>(
+    block: &Block<D>,
+    rates: &mut [Rates<D>],
+    terms: &Terms<D>,
+    kernel: &Kernel<D>,
+    sides: &[Side<D>],
+) {
+    let makeup = terms.makeup();
+    for (row, rates) in rates.iter_mut().enumerate().filter(|(row, _)| block.near_solid[*row]) {
+        let i = &sides[block.first + row];
+        for c in block.walls.row(row) {
+            let j = &sides[c.j as usize];
+            let pair = Pair::new(&c);
+            let share = if makeup.noise { share(kernel, &c.x, i, j) } else { 0.0 };
+            rates.force += terms.force_of_solid(makeup, &pair, i, j, share) * j.volume;
+            if makeup.shift {
+                rates.crowding += Shift::pair(&pair) * j.volume;
+            }
+        }
     }
 }
 
@@ -343,6 +353,7 @@ pub fn sweep_reactions<const D: usize>(
     sides: &[Side<D>],
     asks: impl Fn(u8) -> bool,
 ) {
+    let makeup = terms.makeup();
     for (row, rates) in rates.iter_mut().enumerate() {
         let solid = &sides[block.first + row];
         if !solid.is_solid() || !asks(solid.body) {
@@ -351,10 +362,9 @@ pub fn sweep_reactions<const D: usize>(
         for c in block.walls.row(row) {
             let fluid = &sides[c.j as usize];
             // Seen from the fluid, as the fluid saw it.
-            let (f, f_shift) = terms.weights(kernel, c.x.norm_squared().sqrt());
-            let pair = Pair { x: -c.x, f, f_shift };
-            let share = if terms.noise.is_some() { share(kernel, &pair.x, fluid, solid) } else { 0.0 };
-            rates.force -= terms.force_of_solid(&pair, fluid, solid, share) * fluid.volume;
+            let pair = Pair { x: -c.x, f: kernel.f(c.x.norm_squared().sqrt()), f_shift: c.f_shift };
+            let share = if makeup.noise { share(kernel, &pair.x, fluid, solid) } else { 0.0 };
+            rates.force -= terms.force_of_solid(makeup, &pair, fluid, solid, share) * fluid.volume;
         }
     }
 }

@@ -18,6 +18,9 @@ use crate::fluid::pass::Pair;
 use crate::fluid::setup::{Body, BodyKind, Slip};
 use crate::vector::Vector;
 
+/// How many times a wall shows its velocity to the fluid: once at the surface, and up to twice more continued behind it.
+const SHOWN: f64 = 3.0;
+
 /// A free body as it is stated: density and state at t = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Free<const D: usize> {
@@ -341,13 +344,13 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    /// The fastest rate at which friction takes velocity or spin from a free body, 1/s; with the fluid at rest, which
-    /// shows the body its velocity twice. Zero without one.
+    /// The fastest rate at which friction takes velocity or spin from a free body, 1/s; with the fluid at rest, to which
+    /// the body shows its velocity [`SHOWN`] times. Zero without one.
     pub(super) fn friction_rate_of_bodies(&self) -> f64 {
         if !self.bodies.iter().any(Body::is_free) {
             return 0.0;
         }
-        let a = self.terms.viscosity.a::<D>();
+        let (a, makeup) = (self.terms.viscosity.a::<D>(), self.terms.makeup());
         let mut sums = vec![(0.0, 0.0); self.bodies.len()];
         for block in &self.blocks {
             for (row, near) in block.near_solid.iter().enumerate() {
@@ -363,8 +366,11 @@ impl<const D: usize> Flow<D> {
                         continue;
                     };
                     let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
-                    let rub =
-                        2.0 * a * self.terms.rub::<true>(&pair, side, solid) * side.volume * solid.volume;
+                    let rub = SHOWN
+                        * a
+                        * self.terms.rub::<true>(makeup, &pair, side, solid)
+                        * side.volume
+                        * solid.volume;
                     sums[number].0 += rub;
                     sums[number].1 += rub * rigid.arm(&self.positions[c.j as usize]).norm_squared();
                 }

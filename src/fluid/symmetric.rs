@@ -1,7 +1,6 @@
 //! Symmetric matrices of `D` rows, by their diagonal and what stands beside it.
 
 use crate::vector::Vector;
-use nalgebra::SMatrix;
 
 /// A symmetric matrix: the entries (k, k) and the entries (k, k + 1), the last beside the first. In 2D only the
 /// first of the mixed entries is used, in 1D none.
@@ -33,6 +32,29 @@ impl<const D: usize> Symmetric<D> {
         }
     }
 
+    /// The symmetric part of a⊗b.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(a: &Vector<D>, b: &Vector<D>) -> Symmetric<D> {
+        let mut mixed = Vector::zeros();
+        for k in 0..Self::MIXED {
+            let next = (k + 1) % D;
+            mixed[k] = 0.5 * (a[k] * b[next] + a[next] * b[k]);
+        }
+        Symmetric { diagonal: a.component_mul(b), mixed }
+    }
+
+    /// Adds `scale` times another matrix.
+    #[inline(always)]
+    pub fn add_scaled(&mut self, other: &Symmetric<D>, scale: f64) {
+        for k in 0..D {
+            self.diagonal[k] += other.diagonal[k] * scale;
+        }
+        for k in 0..Self::MIXED {
+            self.mixed[k] += other.mixed[k] * scale;
+        }
+    }
+
     /// x·A·x.
     #[inline(always)]
     #[must_use]
@@ -53,18 +75,20 @@ impl<const D: usize> Symmetric<D> {
         self.diagonal.sum()
     }
 
-    /// tr(A⁻¹ M) of any matrix M; `None` where the determinant is below `least` (too few neighbours, or all in a line).
+    /// tr(A⁻¹ M) with another symmetric matrix M, as with any whose symmetric part it is; `None` where the determinant
+    /// is below `least` (too few neighbours, or all in a line).
     #[inline]
     #[must_use]
-    pub fn inverse_contracted(&self, m: &SMatrix<f64, D, D>, least: f64) -> Option<f64> {
+    pub fn inverse_contracted(&self, m: &Symmetric<D>, least: f64) -> Option<f64> {
         let (a, b) = (&self.diagonal, &self.mixed);
+        let (c, d) = (&m.diagonal, &m.mixed);
         // Written so that "not a number" is refused too.
         let enough = |determinant: f64| determinant > least;
         match D {
-            1 => enough(a[0]).then(|| m[(0, 0)] / a[0]),
+            1 => enough(a[0]).then(|| c[0] / a[0]),
             2 => {
                 let determinant = a[0] * a[1] - b[0] * b[0];
-                let sum = a[1] * m[(0, 0)] + a[0] * m[(1, 1)] - b[0] * (m[(0, 1)] + m[(1, 0)]);
+                let sum = a[1] * c[0] + a[0] * c[1] - 2.0 * b[0] * d[0];
                 enough(determinant).then(|| sum / determinant)
             }
             _ => {
@@ -74,28 +98,17 @@ impl<const D: usize> Symmetric<D> {
                 let crossed =
                     [b[1] * b[2] - b[0] * a[2], b[2] * b[0] - b[1] * a[0], b[0] * b[1] - b[2] * a[1]];
                 let determinant = a[0] * minors[0] + b[0] * crossed[0] + b[2] * crossed[2];
-                let sum = (0..3)
-                    .map(|k| {
-                        let next = (k + 1) % 3;
-                        minors[k] * m[(k, k)] + crossed[k] * (m[(k, next)] + m[(next, k)])
-                    })
-                    .sum::<f64>();
+                let sum = (0..3).map(|k| minors[k] * c[k] + 2.0 * crossed[k] * d[k]).sum::<f64>();
                 enough(determinant).then(|| sum / determinant)
             }
         }
-    }
-
-    /// The sum of this and another matrix.
-    #[inline(always)]
-    pub fn add(&mut self, other: &Symmetric<D>) {
-        self.diagonal += other.diagonal;
-        self.mixed += other.mixed;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::SMatrix;
     use rand::{Rng, SeedableRng};
 
     fn agrees_with_products<const D: usize>() {
@@ -124,11 +137,17 @@ mod tests {
                 1 => sum.mixed[k],
                 _ => sum.mixed[l],
             });
-            let trace = sum.inverse_contracted(&(whole * other), 1e-3).expect("positive");
+            let product = whole * other;
+            let mut half = Symmetric::<D>::identity(0.0);
+            for k in 0..D {
+                let unit = Vector::from_fn(|l, _| f64::from(u8::from(k == l)));
+                half.add_scaled(&Symmetric::of(&unit, &product.row(k).transpose()), 1.0);
+            }
+            let trace = sum.inverse_contracted(&half, 1e-3).expect("positive");
             // Rounding, times the condition of A.
             assert!((trace - other.trace()).abs() < 1e-13, "{trace} {}", other.trace());
         }
-        assert_eq!(Symmetric::<D>::identity(0.0).inverse_contracted(&SMatrix::identity(), 1e-3), None);
+        assert_eq!(Symmetric::<D>::identity(0.0).inverse_contracted(&Symmetric::identity(1.0), 1e-3), None);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Walls: the velocity and pressure solids show to the fluid, and how fluid particles are kept out of them.
+//! How fluid particles are kept out of walls.
 
 use crate::fluid::blocks::Block;
 use crate::fluid::domain::Domain;
@@ -6,51 +6,6 @@ use crate::fluid::motion::Motion;
 use crate::fluid::particles::{Own, Side};
 use crate::fluid::setup::{Body, BodyKind, Surface};
 use crate::vector::Vector;
-
-/// What a solid particle shows to the fluid in the force sweep.
-#[derive(Clone, Copy, Debug)]
-pub struct Mirror<const D: usize> {
-    /// m/s.
-    pub velocity: Vector<D>,
-    /// Pa.
-    pub pressure: f64,
-}
-
-/// Velocity 2 v_w - Σ_f v_f V_f W/Σ_f V_f W and pressure Σ_f [p_f + rho_f (g - a_w)·x_wf] V_f W/Σ_f V_f W of
-/// solid particle `row` of a block, the sums over its fluid contacts; Adami, Hu & Adams 2012.
-///
-/// v_w is the velocity of the wall at its surface, half way to the mean place of the fluid seen: taken at the solid
-/// particle, the fluid in a rotating drum ends 1.6 % faster than the drum. `wall` gives it by the distance (m)
-/// from the solid particle; `wall_acceleration` is that of the solid particle, `gravity` the body force on all fluid, to
-/// which each fluid particle adds its buoyancy.
-/// Without fluid in reach: the wall's own velocity and no pressure.
-#[must_use]
-pub fn mirror<const D: usize>(
-    block: &Block<D>,
-    row: usize,
-    (sides, own): (&[Side<D>], &[Own<D>]),
-    wall: impl Fn(&Vector<D>) -> Vector<D>,
-    wall_acceleration: Vector<D>,
-    gravity: &Vector<D>,
-) -> Mirror<D> {
-    let (mut all, mut velocity, mut pressure) = (0.0, Vector::zeros(), 0.0);
-    let mut towards: Vector<D> = Vector::zeros();
-    let falling = gravity - wall_acceleration;
-    for c in block.row(row) {
-        let f = &sides[c.j as usize];
-        let share = f.volume * c.weight;
-        all += share;
-        velocity += f.velocity * share;
-        towards -= c.x * share;
-        pressure += (f.pressure + f.density * (falling + own[c.j as usize].lift).dot(&c.x)) * share;
-    }
-    if all > 0.0 {
-        // Half way to the fluid is about the surface.
-        Mirror { velocity: wall(&(towards * (0.5 / all))) * 2.0 - velocity / all, pressure: pressure / all }
-    } else {
-        Mirror { velocity: wall(&Vector::zeros()), pressure: 0.0 }
-    }
-}
 
 /// The solids and the box as obstacles.
 pub struct Obstacles<'a, const D: usize> {

@@ -2,7 +2,7 @@
 
 use super::nodes::{GRIDS, Sample, free, grid, mean, norm, order, sampled};
 use super::table::Table;
-use super::{Row, Shipped, Verdict, frames, timed};
+use super::{Row, Scope, Shipped, Verdict, frames, timed};
 use crate::chemistry::AVOGADRO;
 use crate::error::RunError;
 use crate::samples::ParticleFrame;
@@ -13,8 +13,8 @@ const TIMES: [(f64, &str); 5] = [(0.2, "t0.2"), (0.4, "t0.4"), (0.6, "t0.6"), (0
 
 /// Profiles of A and B against finite differences at five times, continuous and (as the mean of an ensemble)
 /// discrete. In units of 10 µm and 10 µM: diffusivity 0.1 1/s, K = 10 and 100 1/s.
-pub fn front(full: bool) -> Result<Verdict, RunError> {
-    let count = if full { 2000 } else { 200 };
+pub fn front(scope: Scope) -> Result<Verdict, RunError> {
+    let count = if scope.full { 2000 } else { 200 };
     timed("annihilation_front: A + B -> 0 on lines of 17, 33, 65 particles", || {
         let mut rows = Vec::new();
         for (rate, text) in [

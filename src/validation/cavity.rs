@@ -8,7 +8,7 @@ use super::flow::{End, across, judged, stated, watch_plane};
 use super::stream_function::Mesh;
 use super::table::Table;
 use super::vortices::{Corner, Extent, corner};
-use super::{Row, Shipped, Verdict, timed};
+use super::{Row, Scope, Shipped, Verdict, timed};
 use crate::error::RunError;
 use crate::figures::contour::GridField;
 use crate::figures::maps::Cloud;
@@ -67,9 +67,12 @@ struct Steady {
 }
 
 /// Re = 100 at 50² (in full all of the published resolutions).
-pub fn lid(full: bool) -> Result<Verdict, RunError> {
+pub fn lid(scope: Scope) -> Result<Verdict, RunError> {
     timed("cavity: sliding lid, against Ghia, Ghia & Shin (walls left out; means of the last 5 L/U)", || {
-        let cases: Vec<&Case> = CASES.iter().filter(|case| full || case.quick).collect();
+        let cases: Vec<&Case> = CASES
+            .iter()
+            .filter(|case| scope.takes(&format!("Re {} {}", case.reynolds, case.side), case.quick))
+            .collect();
         let mut found: Vec<Steady> = Vec::new();
         let mut rows = Vec::new();
         for case in cases {

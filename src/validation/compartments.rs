@@ -1,7 +1,7 @@
 //! Exact answers in one and two volumes.
 
 use super::series::{across, mean_score, variance_score};
-use super::{Row, Shipped, Verdict, run, timed};
+use super::{Row, Scope, Shipped, Verdict, run, timed};
 use crate::error::RunError;
 use crate::statistics;
 
@@ -32,12 +32,12 @@ fn moments(what: &str, sample: &[f64], mean: f64, variance: f64, fourth: f64) ->
 }
 
 /// Birth and death from nothing: Poisson at every time, mean N_A V k/d (1 - exp(-d t)).
-pub fn birth_death(full: bool) -> Result<Verdict, RunError> {
+pub fn birth_death(scope: Scope) -> Result<Verdict, RunError> {
     let shipped = Shipped {
         model: include_str!("../../models/birth_death.yaml"),
         reactions: Some(("birth_death.yaml", include_str!("../../reactions/birth_death.yaml"))),
     };
-    let count = if full { 200_000 } else { 20_000 };
+    let count = if scope.full { 200_000 } else { 20_000 };
     timed("birth_death: birth and death in 10 fL", || {
         let results = run(&shipped, &[format!("run.realizations={count}")])?;
         let mut rows = Vec::new();
@@ -54,9 +54,9 @@ pub fn birth_death(full: bool) -> Result<Verdict, RunError> {
 
 /// Two volumes of 1 and 0.25 fL, G = 0.5 µm, D = 1 µm²/s: binomial with
 /// p = V0/(V0+V1) + V1/(V0+V1) exp(-D G (1/V0 + 1/V1) t).
-pub fn two_compartments(full: bool) -> Result<Verdict, RunError> {
+pub fn two_compartments(scope: Scope) -> Result<Verdict, RunError> {
     let shipped = Shipped { model: include_str!("../../models/two_compartments.yaml"), reactions: None };
-    let count = if full { 100_000 } else { 10_000 };
+    let count = if scope.full { 100_000 } else { 10_000 };
     timed("two_compartments: 100 molecules in 1 fL and 0.25 fL", || {
         let results = run(&shipped, &[format!("run.realizations={count}")])?;
         let mut rows = Vec::new();

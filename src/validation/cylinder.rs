@@ -3,7 +3,7 @@
 use super::bessel::{j, zeros_of_j1};
 use super::findings::{Curves, Findings};
 use super::flow::{judged, watch_plane};
-use super::{Shipped, Verdict, timed};
+use super::{Scope, Shipped, Verdict, timed};
 use crate::error::RunError;
 use crate::figures::colours::{BLACK, palette};
 use crate::figures::maps::{Cloud, Window, particles};
@@ -45,7 +45,7 @@ impl SpinUp {
 }
 
 /// 25 particles along the radius.
-pub fn spin_up(_full: bool) -> Result<Verdict, RunError> {
+pub fn spin_up(_scope: Scope) -> Result<Verdict, RunError> {
     timed(
         "spinning_cylinder: spin-up, 25 particles along the radius (root mean square error, ΩR = 1)",
         || {

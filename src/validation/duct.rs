@@ -2,7 +2,7 @@
 
 use super::findings::{Curves, Findings};
 use super::flow::{judged, watch_space};
-use super::{Shipped, Verdict, timed};
+use super::{Scope, Shipped, Verdict, timed};
 use crate::error::RunError;
 use crate::figures::colours::{BLACK, palette};
 use crate::figures::plot::{Plot, Ruler, Style, Trace, plots};
@@ -30,9 +30,10 @@ fn exact(y: f64, z: f64) -> f64 {
 }
 
 /// 20 particles across (12 and 30 as well in full).
-pub fn square_duct(full: bool) -> Result<Verdict, RunError> {
+pub fn square_duct(scope: Scope) -> Result<Verdict, RunError> {
     timed("duct_3d: square duct in space, Re = 10, from rest to steady (relative L2 error)", || {
-        let sides: &[u32] = if full { &[12, 20, 30] } else { &[20] };
+        let sides: Vec<u32> =
+            [12, 20, 30].into_iter().filter(|n| scope.takes(&n.to_string(), *n == 20)).collect();
         let (mut rows, mut curves, mut profiles, mut middle) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (k, &side) in sides.iter().enumerate() {

@@ -45,8 +45,25 @@ pub struct Case {
     pub name: &'static str,
     /// One line on it.
     pub what: &'static str,
-    /// Runs it; `full` asks for all resolutions.
-    pub run: fn(full: bool) -> Result<Verdict, RunError>,
+    /// Runs it.
+    pub run: fn(Scope) -> Result<Verdict, RunError>,
+}
+
+/// What of a case is asked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Scope<'a> {
+    /// All resolutions.
+    pub full: bool,
+    /// Only the parts whose name holds this text, e.g. `Re 1000 200`; where a case has such parts.
+    pub only: Option<&'a str>,
+}
+
+impl Scope<'_> {
+    /// Whether a part runs; `quick` ones run without being asked for.
+    #[must_use]
+    pub fn takes(&self, part: &str, quick: bool) -> bool {
+        self.only.map_or(self.full || quick, |text| part.contains(text))
+    }
 }
 
 /// All cases, in the order they run.

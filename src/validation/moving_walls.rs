@@ -2,7 +2,7 @@
 
 use super::findings::{Curves, Findings};
 use super::flow::{End, judged, watch_plane};
-use super::{Shipped, Verdict, timed};
+use super::{Scope, Shipped, Verdict, timed};
 use crate::error::RunError;
 use crate::figures::colours::{BLACK, palette};
 use crate::figures::plot::{Plot, Ruler, Style, Trace, plots};
@@ -60,7 +60,7 @@ struct Wall {
 }
 
 /// A lid that starts.
-pub fn couette_start(_full: bool) -> Result<Verdict, RunError> {
+pub fn couette_start(_scope: Scope) -> Result<Verdict, RunError> {
     against(&Wall {
         name: "couette_start",
         title: "Start of plane Couette flow",
@@ -74,7 +74,7 @@ pub fn couette_start(_full: bool) -> Result<Verdict, RunError> {
 }
 
 /// A plate that oscillates: judged over the third period.
-pub fn stokes_second(_full: bool) -> Result<Verdict, RunError> {
+pub fn stokes_second(_scope: Scope) -> Result<Verdict, RunError> {
     let period = 2.0 * PI / OMEGA;
     against(&Wall {
         name: "stokes_second",

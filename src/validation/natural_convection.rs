@@ -6,7 +6,7 @@ mod states;
 use super::findings::Findings;
 use super::flow::{End, stated};
 use super::table::Table;
-use super::{Row, Shipped, Verdict, failed, timed, with_plan};
+use super::{Row, Scope, Shipped, Verdict, failed, timed, with_plan};
 use crate::error::RunError;
 use crate::figures::contour::GridField;
 use crate::plan::Arena;
@@ -80,12 +80,12 @@ struct Convection {
 }
 
 /// Ra = 1e4 with 50 x 50 (stated) and 100 x 100 particles (in full 1e5, 1e6 and 200 x 200 too).
-pub fn cylinder(full: bool) -> Result<Verdict, RunError> {
+pub fn cylinder(scope: Scope) -> Result<Verdict, RunError> {
     timed("natural_convection: hot cylinder in a cold square, Sc = 0.7 (v in ν/L)", || {
         let (mut rows, mut found) = (Vec::new(), Vec::new());
         for (k, rayleigh) in RAYLEIGH.iter().enumerate() {
             for across in [50, 100, 200] {
-                if full || (k == 0 && across < 200) {
+                if scope.takes(&format!("Ra 1e{} {across}", rayleigh.exponent), k == 0 && across < 200) {
                     let one = run(rayleigh, across)?;
                     rows.extend(judge(&one));
                     found.push(one);

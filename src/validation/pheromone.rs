@@ -2,7 +2,7 @@
 
 use super::series::{across, probe};
 use super::table::Table;
-use super::{Row, Shipped, Verdict, run, timed};
+use super::{Row, Scope, Shipped, Verdict, run, timed};
 use crate::error::RunError;
 use crate::results::Results;
 use crate::statistics;
@@ -13,13 +13,13 @@ const T_O: f64 = 16e-3;
 const C_O: f64 = 1e-3;
 
 /// Slip walls.
-pub fn slip(full: bool) -> Result<Verdict, RunError> {
-    compare(full, &SLIP)
+pub fn slip(scope: Scope) -> Result<Verdict, RunError> {
+    compare(scope.full, &SLIP)
 }
 
 /// No-slip walls.
-pub fn no_slip(full: bool) -> Result<Verdict, RunError> {
-    compare(full, &NO_SLIP)
+pub fn no_slip(scope: Scope) -> Result<Verdict, RunError> {
+    compare(scope.full, &NO_SLIP)
 }
 
 struct Variant {

@@ -2,7 +2,7 @@
 
 use super::findings::{Curves, Findings};
 use super::flow::{End, judged, watch_plane};
-use super::{Row, Shipped, Verdict, timed};
+use super::{Row, Scope, Shipped, Verdict, timed};
 use crate::error::RunError;
 use crate::figures::colours::{BLACK, GREY, palette};
 use crate::figures::plot::{Plot, Ruler, Style, Trace, plots};
@@ -41,16 +41,16 @@ struct Channel {
 }
 
 /// Errors at 20 to 80 particles across (all, and the other kernels, in full).
-pub fn channel(full: bool) -> Result<Verdict, RunError> {
+pub fn channel(scope: Scope) -> Result<Verdict, RunError> {
     timed("poiseuille: plane channel, Re = 10, from rest to steady (root mean square error, U = 1)", || {
-        let count = if full { ACROSS.len() } else { 3 };
+        let count = if scope.full { ACROSS.len() } else { 3 };
         let channels =
             ACROSS[..count].iter().map(|&n| run(n, None)).collect::<Result<Vec<Channel>, RunError>>()?;
         let mut rows = judge("", &channels, PRINTED[0].1, Some(LIMITS));
         for channel in &channels {
             rows.extend(channel.end.rows(&format!("Ny = {}", channel.across)));
         }
-        if full {
+        if scope.full {
             for (kernel, printed) in &PRINTED[1..] {
                 let others = ACROSS[..3]
                     .iter()

@@ -2,7 +2,7 @@
 
 use super::nodes::{FULL, GRIDS, Sample, free, grid, mean, molecules, norm, order, ours, printed, sampled};
 use super::table::Table;
-use super::{Row, Shipped, Verdict, frames, timed};
+use super::{Row, Scope, Shipped, Verdict, frames, timed};
 use crate::error::RunError;
 use crate::statistics::relative_l2;
 
@@ -21,7 +21,7 @@ const TRANSIENT: [(f64, &str); 6] =
     [(0.1, "0.01"), (0.16, "0.016"), (0.2, "0.02"), (0.4, "0.04"), (0.8, "0.08"), (1.6, "0.16")];
 
 /// The printed operator, ours, and whole molecules by both, on 17, 33 and 65 particles.
-pub fn line(_full: bool) -> Result<Verdict, RunError> {
+pub fn line(_scope: Scope) -> Result<Verdict, RunError> {
     let shipped = Shipped { model: include_str!("../../models/validation/table_2_1.yaml"), reactions: None };
     let table = Table::read(include_str!("data/diffusion1d_exact.csv"));
     timed("table_2_1: diffusion on a line", || {

@@ -1,7 +1,7 @@
 //! Table 2.2 of the dissertation on the sSSA-SDPD hybrid: diffusion into a plate.
 
 use super::nodes::{FULL, GRIDS, Sample, grid, mean, molecules, norm, ours, printed, sampled};
-use super::{Row, Shipped, Verdict, frames, timed};
+use super::{Row, Scope, Shipped, Verdict, frames, timed};
 use crate::error::RunError;
 use std::f64::consts::PI;
 
@@ -19,7 +19,7 @@ const TIME: f64 = 100.0;
 const SAMPLED_UNTIL: [f64; 3] = [TIME, TIME, 40.0];
 
 /// The printed operator, ours, and whole molecules on 17² particles (and 33², 65² in full).
-pub fn plate(full: bool) -> Result<Verdict, RunError> {
+pub fn plate(scope: Scope) -> Result<Verdict, RunError> {
     let shipped = Shipped { model: include_str!("../../models/validation/table_2_2.yaml"), reactions: None };
     timed("table_2_2: diffusion into a plate", || {
         let mut rows = Vec::new();
@@ -46,7 +46,7 @@ pub fn plate(full: bool) -> Result<Verdict, RunError> {
                 // Measured 2.34e-4 at 17, falling as the square of the spacing.
                 limit: 2.5e-4 * (16.0 / (n - 1) as f64).powi(2),
             });
-            if n == 17 || full {
+            if n == 17 || scope.full {
                 let time = SAMPLED_UNTIL[k];
                 let until = [format!("run.until={time} s"), format!("output.times=[{time} s]")];
                 let values = [&values[..], &until, &[format!("output.particles.times=[{time} s]")]].concat();

@@ -3,7 +3,7 @@
 use super::compact;
 use super::nodes::{FULL, GRIDS, Sample, free, grid, mean, molecules, norm, ours, printed, sampled};
 use super::table::Table;
-use super::{Row, Shipped, Verdict, frames, timed};
+use super::{Row, Scope, Shipped, Verdict, frames, timed};
 use crate::error::RunError;
 
 /// Printed errors of the deterministic scheme and of 100 realizations.
@@ -21,7 +21,7 @@ const LIMITS: [f64; 3] = [1.5e-4, 2.5e-5, 4.5e-6];
 const TIME: f64 = 1.0;
 
 /// The printed operator, ours, and whole molecules on 17 and 33 particles (and 65 in full).
-pub fn line(full: bool) -> Result<Verdict, RunError> {
+pub fn line(scope: Scope) -> Result<Verdict, RunError> {
     let shipped = Shipped { model: include_str!("../../models/validation/table_2_3.yaml"), reactions: None };
     let table = Table::read(include_str!("data/annihilation1d_t1.csv"));
     timed("table_2_3: A + B -> 0 on a line (errors of A)", || {
@@ -59,7 +59,7 @@ pub fn line(full: bool) -> Result<Verdict, RunError> {
                 error,
                 limit: LIMITS[k],
             });
-            if n < 65 || full {
+            if n < 65 || scope.full {
                 let sample = [&values[..], &molecules(REALIZATIONS)].concat();
                 let drawn = mean(&frames(&shipped, &sample)?, 0, TIME, FULL);
                 rows.push(sampled(

@@ -2,7 +2,7 @@
 
 use super::findings::{Curves, Findings};
 use super::flow::{End, across, judged, watch_plane};
-use super::{Row, Shipped, Verdict, timed};
+use super::{Row, Scope, Shipped, Verdict, timed};
 use crate::error::RunError;
 use crate::figures::colours::{BLACK, palette};
 use crate::figures::maps::{Cloud, Window, particles};
@@ -49,12 +49,13 @@ struct Decay {
 }
 
 /// 50² particles (in full 100² and 200² too) to t = 5.
-pub fn vortices(full: bool) -> Result<Verdict, RunError> {
+pub fn vortices(scope: Scope) -> Result<Verdict, RunError> {
     timed("taylor_green: decaying vortices, Re = 100, from a lattice, to t = 5", || {
-        let sides = &SIDES[..if full { 3 } else { 1 }];
+        let sides: Vec<_> =
+            SIDES.iter().filter(|(n, _)| scope.takes(&n.to_string(), *n == 50)).copied().collect();
         let runs = sides.iter().map(|&(side, _)| run(side)).collect::<Result<Vec<Decay>, RunError>>()?;
         let mut rows = Vec::new();
-        for (one, &(side, limit)) in runs.iter().zip(sides) {
+        for (one, &(side, limit)) in runs.iter().zip(&sides) {
             rows.extend(judge(one, side, limit));
         }
         Ok(draw(rows, &runs))

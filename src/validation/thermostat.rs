@@ -2,7 +2,7 @@
 
 use super::findings::{Curves, Findings};
 use super::flow::{End, Look, Pace, stated, watch_plane, watch_space};
-use super::{Row, Shipped, Verdict, timed};
+use super::{Row, Scope, Shipped, Verdict, timed};
 use crate::error::RunError;
 use crate::figures::colours::{BLACK, palette};
 use crate::figures::plot::{Plot, Ruler, Style, Trace, plots};
@@ -109,14 +109,14 @@ impl Bath {
 }
 
 /// Both forms of friction in two and three dimensions; in two with a tenth of the step too (and a third in full).
-pub fn noise(full: bool) -> Result<Verdict, RunError> {
+pub fn noise(scope: Scope) -> Result<Verdict, RunError> {
     timed("thermostat: water at 300 K in a periodic box of particles of 10 nm", || {
         let mut baths = Vec::new();
         for friction in ["morris", "espanol_revenga"] {
-            let shares: &[f64] = if full { &[1.0, 0.3, 0.1] } else { &[1.0, 0.1] };
+            let shares: &[f64] = if scope.full { &[1.0, 0.3, 0.1] } else { &[1.0, 0.1] };
             for &share in shares {
                 let mut bath = Bath::new(format!("2D {friction}, {share} of the longest step"), 2);
-                let until = if share < 0.2 && !full { 400 } else { 800 };
+                let until = if share < 0.2 && !scope.full { 400 } else { 800 };
                 bath.end = watch_plane(
                     &Shipped {
                         model: include_str!("../../models/validation/thermostat_2d.yaml"),
@@ -128,9 +128,9 @@ pub fn noise(full: bool) -> Result<Verdict, RunError> {
                 )?;
                 baths.push(bath);
             }
-            for &share in if full { shares } else { &shares[..1] } {
+            for &share in if scope.full { shares } else { &shares[..1] } {
                 let mut bath = Bath::new(format!("3D {friction}, {share} of the longest step"), 3);
-                let until = if full { 800 } else { 400 };
+                let until = if scope.full { 800 } else { 400 };
                 bath.end = watch_space(
                     &Shipped {
                         model: include_str!("../../models/validation/thermostat_3d.yaml"),

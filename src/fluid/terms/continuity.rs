@@ -3,7 +3,6 @@
 use crate::fluid::particles::Side;
 use crate::fluid::pass::Approach;
 use crate::fluid::symmetric::Symmetric;
-use nalgebra::SMatrix;
 
 /// The density rate of i, kg/m³/s, with w = transport less momentum velocity. Sums with w run over the same
 /// material only.
@@ -48,8 +47,9 @@ impl Continuity {
     }
 }
 
-/// Σ V_j F (v_i - v_j)⊗x, 1/s: where particles lie evenly minus the gradient of the velocity.
-pub type Spread<const D: usize> = SMatrix<f64, D, D>;
+/// The symmetric part of Σ V_j F (v_i - v_j)⊗x, 1/s, all that its product with G_i⁻¹ needs: where particles lie evenly
+/// minus the rate of strain.
+pub type Spread<const D: usize> = Symmetric<D>;
 
 /// Least determinant of the second moment that is inverted; an even neighbourhood has one, half of one a quarter.
 const LEAST_DETERMINANT: f64 = 0.1;
@@ -65,18 +65,19 @@ pub fn corrected_rate<const D: usize>(density: f64, moment: &Symmetric<D>, sprea
 mod tests {
     use super::*;
     use crate::vector::Vector;
+    use nalgebra::SMatrix;
 
     #[test]
     fn a_linear_velocity_has_its_own_divergence_whatever_the_neighbours() {
         // v = A x seen by five neighbours anywhere: M = A G, so the rate is -rho tr A.
         let a = SMatrix::<f64, 2, 2>::new(0.3, -1.2, 0.7, 0.9);
-        let (mut moment, mut spread) = (Symmetric::<2>::identity(0.0), Spread::<2>::zeros());
+        let (mut moment, mut spread) = (Symmetric::<2>::identity(0.0), Spread::<2>::identity(0.0));
         for (x, y, weight) in
             [(1.0, 0.1, 0.3), (-0.8, 0.6, 0.5), (0.2, -1.1, 0.9), (-0.3, -0.7, 0.2), (0.9, 0.8, 0.4)]
         {
             let x = Vector::<2>::new(x, y);
             moment.add_square(&x, weight);
-            spread += (a * x) * (x * weight).transpose();
+            spread.add_scaled(&Spread::of(&(a * x), &x), weight);
         }
         // Rounding of some tens of operations.
         assert!((corrected_rate(2.0, &moment, &spread) + 2.0 * a.trace()).abs() < 1e-13);

@@ -25,17 +25,18 @@ impl<const D: usize> Shift<D> {
         Shift { strength: a * h * reference_speed, kernel: Kernel::new(KernelKind::Wendland, h) }
     }
 
-    /// F of the shift, m^-(D+2).
+    /// The kernel of the shift.
     #[inline(always)]
     #[must_use]
-    pub fn f(&self, r: f64) -> f64 {
-        self.kernel.f(r)
+    pub fn kernel(&self) -> &Kernel<D> {
+        &self.kernel
     }
 
     /// 2 F x_ij, of which the crowding of i is the sum weighted with V_j; m^-(D+1).
     #[inline(always)]
-    pub fn pair(&self, p: &Pair<D>, out: &mut Vector<D>) {
-        *out += p.x * (2.0 * p.f_shift);
+    #[must_use]
+    pub fn pair(p: &Pair<D>) -> Vector<D> {
+        p.x * (2.0 * p.f_shift)
     }
 
     /// The velocity w of a crowding (1/m) at a density relative to rest, m/s.

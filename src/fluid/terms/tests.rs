@@ -72,7 +72,7 @@ fn every_force_is_antisymmetric() {
     assert!(residue(|p, i, j, out| TransportStress.pair(p, i, j, out)) < 1e-13);
     for form in [Friction::Morris, Friction::EspanolRevenga] {
         let friction = |p: &Pair<3>, i: &Side<3>, j: &Side<3>, out: &mut V| {
-            let rub = viscosity::between(i, j) * p.f;
+            let rub = viscosity::between_fluids(i, j) * p.f;
             Viscosity { form }.pair(rub, &p.x, &(i.velocity - j.velocity), out);
         };
         assert!(residue(friction) < 1e-13);
@@ -132,9 +132,9 @@ fn the_rates_of_density_differ_as_their_equations_say() {
 fn a_free_slip_solid_has_no_friction_and_a_no_slip_one_that_of_the_fluid() {
     for (i, mut j, _) in pairs() {
         j.material = Material::FreeSlip;
-        assert_eq!(viscosity::between(&i, &j), 0.0);
+        assert_eq!(viscosity::with_solid(&i, &j), 0.0);
         j.material = Material::NoSlip;
-        assert_eq!(viscosity::between(&i, &j), i.viscosity);
+        assert_eq!(viscosity::with_solid(&i, &j), i.viscosity);
     }
 }
 

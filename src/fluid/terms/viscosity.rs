@@ -40,11 +40,17 @@ impl Viscosity {
 /// The viscosity that acts between fluid i and j, Pa s.
 #[inline(always)]
 #[must_use]
-pub fn between<const D: usize>(i: &Side<D>, j: &Side<D>) -> f64 {
-    match j.material {
-        Material::FreeSlip => 0.0,
-        Material::NoSlip => i.viscosity,
-        Material::Fluid if i.viscosity == j.viscosity => i.viscosity,
-        Material::Fluid => 2.0 * i.viscosity * j.viscosity / (i.viscosity + j.viscosity),
+pub fn between_fluids<const D: usize>(i: &Side<D>, j: &Side<D>) -> f64 {
+    if i.viscosity == j.viscosity {
+        i.viscosity
+    } else {
+        2.0 * i.viscosity * j.viscosity / (i.viscosity + j.viscosity)
     }
+}
+
+/// The viscosity that acts between fluid i and solid j, Pa s.
+#[inline(always)]
+#[must_use]
+pub fn with_solid<const D: usize>(i: &Side<D>, j: &Side<D>) -> f64 {
+    if j.material == Material::FreeSlip { 0.0 } else { i.viscosity }
 }
