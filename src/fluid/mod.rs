@@ -10,7 +10,8 @@
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
-//! | [`rigid`], [`deform`], [`open`] | bodies the fluid moves; solids that deform; ends where particles enter and leave |
+//! | [`rigid`], [`bodies`], [`deform`] | a body the fluid moves; those of a flow; solids that deform |
+//! | [`open`], `buffers` | ends where particles enter and leave; what is prescribed beyond them |
 //! | [`observe`] | snapshots and health of a flow |
 //! | [`weights`], [`exchange`], [`interpolate`] | conductances for the chemistry, ours and as printed; fields at points |
 //!
@@ -18,6 +19,8 @@
 
 mod balance;
 pub mod blocks;
+pub mod bodies;
+mod buffers;
 pub mod deform;
 pub mod domain;
 pub mod exchange;
@@ -48,6 +51,7 @@ pub mod terms;
 pub mod wall;
 pub mod weights;
 
+pub use bodies::BodyState;
 pub use deform::Deformation;
 pub use domain::Domain;
 pub use exchange::{Barrier, Voxels};
@@ -59,7 +63,7 @@ pub use motion::Motion;
 pub use neighbours::Grid;
 pub use observe::{FlowHealth, Snapshot};
 pub use open::{End, Open};
-pub use rigid::{BodyState, Free};
+pub use rigid::Free;
 pub use setup::{
     Body, BodyKind, EquationOfState, Friction, Method, Noise, Options, Placed, Setup, Slip, Sponge,
 };

@@ -10,16 +10,9 @@
 
 use nalgebra::Matrix3;
 
-use crate::error::RunError;
 use crate::fluid::domain::Domain;
-use crate::fluid::flow::Flow;
 use crate::fluid::motion::Motion;
-use crate::fluid::pass::Pair;
-use crate::fluid::setup::{Body, BodyKind, Slip};
 use crate::vector::Vector;
-
-/// How many times a wall shows its velocity to the fluid: once at the surface, and up to twice more continued behind it.
-const SHOWN: f64 = 3.0;
 
 /// A free body as it is stated: density and state at t = 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,8 +34,8 @@ pub struct Rigid<const D: usize> {
     /// Mass per unit thickness, kg/m^(3-D).
     pub mass: f64,
     /// Moments of inertia about the centre at t = 0, kg m² per unit thickness; in 2D the last entry.
-    inertia: Matrix3<f64>,
-    inverse: Matrix3<f64>,
+    pub(super) inertia: Matrix3<f64>,
+    pub(super) inverse: Matrix3<f64>,
     /// Centre of mass at t = 0, m.
     home: Vector<D>,
     /// Centre of mass, m; not wrapped.
@@ -55,11 +48,11 @@ pub struct Rigid<const D: usize> {
     pub spin: nalgebra::Vector3<f64>,
     /// Angular velocity, rad/s.
     pub rate: nalgebra::Vector3<f64>,
-    force: Vector<D>,
-    torque: nalgebra::Vector3<f64>,
+    pub(super) force: Vector<D>,
+    pub(super) torque: nalgebra::Vector3<f64>,
     /// Acceleration that the pressure at the surface is told, m/s²: the mean over the time sound takes across it.
-    pull: Vector<D>,
-    held: bool,
+    pub(super) pull: Vector<D>,
+    pub(super) held: bool,
     /// The box, for the shortest way to the centre.
     domain: Option<Domain<D>>,
 }
@@ -90,7 +83,7 @@ impl<const D: usize> Free<D> {
 
 impl<const D: usize> Rigid<D> {
     /// Takes mass, centre and inertia from the particles, places (m) and volumes (m^D), each a small cube of its volume.
-    fn weigh(&mut self, particles: &[(Vector<D>, f64)], domain: &Domain<D>) {
+    pub(super) fn weigh(&mut self, particles: &[(Vector<D>, f64)], domain: &Domain<D>) {
         let Some(&(first, _)) = particles.first() else { return };
         let place = |x: &Vector<D>| first + domain.separation(x, &first);
         let volume: f64 = particles.iter().map(|(_, v)| v).sum();
@@ -116,7 +109,7 @@ impl<const D: usize> Rigid<D> {
     }
 
     /// Lets the body go with its velocities of t = 0.
-    fn release(&mut self) {
+    pub(super) fn release(&mut self) {
         self.held = false;
         self.velocity = self.free.velocity;
         let mut rate = nalgebra::Vector3::from(self.free.rate);
@@ -130,7 +123,7 @@ impl<const D: usize> Rigid<D> {
     }
 
     /// Holds the body where it is, at rest.
-    fn hold(&mut self) {
+    pub(super) fn hold(&mut self) {
         self.held = true;
         self.velocity = Vector::zeros();
         self.spin = nalgebra::Vector3::zeros();
@@ -139,7 +132,7 @@ impl<const D: usize> Rigid<D> {
     }
 
     /// From the centre to a place, by the shortest way, m.
-    fn arm(&self, place: &Vector<D>) -> Vector<D> {
+    pub(super) fn arm(&self, place: &Vector<D>) -> Vector<D> {
         match &self.domain {
             Some(domain) => domain.separation(place, &self.centre),
             None => place - self.centre,
@@ -176,7 +169,7 @@ impl<const D: usize> Rigid<D> {
     }
 
     /// V += dt/2 F/M, L += dt/2 T.
-    fn kick(&mut self, dt: f64) {
+    pub(super) fn kick(&mut self, dt: f64) {
         if self.held || self.mass <= 0.0 {
             return;
         }
@@ -190,7 +183,7 @@ impl<const D: usize> Rigid<D> {
     }
 
     /// X += dt V, and the turn by the angular velocity in the middle of the step.
-    fn drift(&mut self, dt: f64) {
+    pub(super) fn drift(&mut self, dt: f64) {
         if self.held || self.mass <= 0.0 {
             return;
         }
@@ -202,12 +195,6 @@ impl<const D: usize> Rigid<D> {
         self.turn = self.turn * (Matrix3::identity() * 3.0 - self.turn.transpose() * self.turn) * 0.5;
         self.rate = self.rate_of(&self.turn);
     }
-
-    /// |V| + |ω| r of a point at distance `reach` (m), m/s.
-    #[must_use]
-    pub fn speed(&self, reach: f64) -> f64 {
-        self.velocity.norm() + self.rate.norm() * reach
-    }
 }
 
 /// Rotation by the vector `angle` (rad): Rodrigues.
@@ -215,229 +202,12 @@ fn rotation(angle: &nalgebra::Vector3<f64>) -> Matrix3<f64> {
     *nalgebra::Rotation3::new(*angle).matrix()
 }
 
-fn embed<const D: usize>(x: &Vector<D>) -> nalgebra::Vector3<f64> {
+pub(super) fn embed<const D: usize>(x: &Vector<D>) -> nalgebra::Vector3<f64> {
     nalgebra::Vector3::from_fn(|k, _| if k < D { x[k] } else { 0.0 })
 }
 
 fn narrow<const D: usize>(x: &nalgebra::Vector3<f64>) -> Vector<D> {
     Vector::from_fn(|k, _| x[k])
-}
-
-/// How a free body moves now.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyState<const D: usize> {
-    pub body: u8,
-    /// Centre of mass, m; not wrapped round periodic axes.
-    pub centre: Vector<D>,
-    /// m/s.
-    pub velocity: Vector<D>,
-    /// rad/s.
-    pub rate: [f64; 3],
-    /// Momentum per unit thickness, kg m/s times m^(D-3).
-    pub momentum: Vector<D>,
-    /// Angular momentum about the centre, per unit thickness.
-    pub spin: [f64; 3],
-    /// Force of the fluid per unit thickness and the body's weight, N times m^(D-3).
-    pub force: Vector<D>,
-}
-
-impl<const D: usize> Flow<D> {
-    /// The free bodies, in the order of the setup.
-    pub fn free_bodies(&self) -> impl Iterator<Item = BodyState<D>> + '_ {
-        self.bodies.iter().zip(0_u8..).filter_map(|(body, number)| {
-            let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &body.kind else { return None };
-            Some(BodyState {
-                body: number,
-                centre: rigid.centre,
-                velocity: rigid.velocity,
-                rate: rigid.rate.into(),
-                momentum: rigid.velocity * rigid.mass,
-                spin: rigid.spin.into(),
-                force: rigid.force,
-            })
-        })
-    }
-
-    fn each_free(&mut self, mut act: impl FnMut(&mut Rigid<D>)) {
-        for body in &mut self.bodies {
-            if let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &mut body.kind {
-                act(rigid);
-            }
-        }
-    }
-
-    /// Mass and inertia of the free bodies from their particles.
-    pub(super) fn weigh_bodies(&mut self) {
-        for number in 0..self.bodies.len() {
-            let own: Vec<(Vector<D>, f64)> = self
-                .sides
-                .iter()
-                .zip(&self.own)
-                .filter(|(side, _)| usize::from(side.body) == number)
-                .map(|(side, own)| (own.start, side.volume))
-                .collect();
-            if let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &mut self.bodies[number].kind {
-                rigid.weigh(&own, &self.domain);
-                self.asks[number] = true;
-            }
-        }
-    }
-
-    /// Free bodies rest where they are.
-    pub(super) fn hold_bodies(&mut self) {
-        self.each_free(Rigid::hold);
-    }
-
-    /// Free bodies begin to move.
-    pub(super) fn release_bodies(&mut self) {
-        self.each_free(Rigid::release);
-    }
-
-    /// The first half kick and the drift of the free bodies.
-    pub(super) fn kick_and_drift_bodies(&mut self, dt: f64) {
-        self.each_free(|rigid| {
-            rigid.kick(dt);
-            rigid.drift(dt);
-        });
-    }
-
-    /// Force and torque on the free bodies from the reactions just summed.
-    pub(super) fn load_bodies(&mut self, dt: f64) {
-        if !self.bodies.iter().any(|body| body.is_free()) {
-            return;
-        }
-        let gravity = self.setup.gravity;
-        let mut loads = vec![(Vector::<D>::zeros(), nalgebra::Vector3::zeros()); self.bodies.len()];
-        for &i in &self.solids {
-            let (side, rates) = (&self.sides[i as usize], &self.rates[i as usize]);
-            let number = usize::from(side.body);
-            let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind else {
-                continue;
-            };
-            let force = rates.force * side.volume;
-            loads[number].0 += force;
-            loads[number].1 += embed(&rigid.arm(&self.positions[i as usize])).cross(&embed(&force));
-        }
-        // Told at once the pressure would answer to the acceleration it makes itself, and a light body would shake.
-        // Noise must not be answered at all.
-        let (quiet, h) = (self.terms.noise.is_none(), self.kernel.cutoff());
-        let (sound, a, viscosity) = (self.sound_speed, self.terms.viscosity.a::<D>(), self.setup.viscosity);
-        for ((body, (force, torque)), number) in self.bodies.iter_mut().zip(loads).zip(0_u8..) {
-            if let BodyKind::Solid { motion: Motion::Free(rigid), slip, .. } = &mut body.kind {
-                rigid.force = force + (gravity + rigid.free.acceleration) * rigid.mass;
-                rigid.torque = torque;
-                if *slip == Slip::NoSlip && D > 1 {
-                    let rub = viscosity * rigid.mass / rigid.free.density;
-                    rigid.torque -= rigid.rate * (a * rub);
-                    if let Some(noise) = &self.terms.noise {
-                        let kick = noise.torque(number, rub);
-                        rigid.torque +=
-                            nalgebra::Vector3::from_fn(|k, _| if D == 3 || k == 2 { kick[k] } else { 0.0 });
-                    }
-                }
-                if quiet && !rigid.held && rigid.mass > 0.0 {
-                    let time = h / sound * (self.setup.rest_density / rigid.free.density).max(1.0);
-                    let share = -(-dt / time).exp_m1();
-                    rigid.pull += (rigid.force / rigid.mass - rigid.pull) * share;
-                }
-            }
-        }
-    }
-
-    /// The fastest rate at which friction takes velocity or spin from a free body, 1/s; with the fluid at rest, to which
-    /// the body shows its velocity [`SHOWN`] times. Zero without one.
-    pub(super) fn friction_rate_of_bodies(&self) -> f64 {
-        if !self.bodies.iter().any(Body::is_free) {
-            return 0.0;
-        }
-        let (a, makeup) = (self.terms.viscosity.a::<D>(), self.terms.makeup());
-        let mut sums = vec![(0.0, 0.0); self.bodies.len()];
-        for block in &self.blocks {
-            for (row, near) in block.near_solid.iter().enumerate() {
-                let side = &self.sides[block.first + row];
-                if !near || side.is_solid() {
-                    continue;
-                }
-                for c in block.row(row) {
-                    let solid = &self.sides[c.j as usize];
-                    let number = usize::from(solid.body);
-                    let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind
-                    else {
-                        continue;
-                    };
-                    let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
-                    let rub = SHOWN
-                        * a
-                        * self.terms.rub::<true>(makeup, &pair, side, solid)
-                        * side.volume
-                        * solid.volume;
-                    sums[number].0 += rub;
-                    sums[number].1 += rub * rigid.arm(&self.positions[c.j as usize]).norm_squared();
-                }
-            }
-        }
-        let rate = |(body, (push, turn)): (&Body<D>, (f64, f64))| match &body.kind {
-            BodyKind::Solid { motion: Motion::Free(rigid), .. } if rigid.mass > 0.0 => {
-                let own = a * self.setup.viscosity * rigid.mass / rigid.free.density;
-                (push / rigid.mass).max((turn + own) * rigid.inverse.norm())
-            }
-            _ => 0.0,
-        };
-        self.bodies.iter().zip(sums).map(rate).fold(0.0, f64::max)
-    }
-
-    /// The second half kick of the free bodies.
-    pub(super) fn kick_bodies(&mut self, dt: f64) {
-        self.each_free(|rigid| rigid.kick(dt));
-    }
-
-    /// A free body must not run into a wall of the box or another solid: nothing would keep it out.
-    pub(super) fn check_bodies(&self) -> Result<(), RunError> {
-        for &i in &self.solids {
-            let (side, here) = (&self.sides[i as usize], &self.positions[i as usize]);
-            let body = &self.bodies[usize::from(side.body)];
-            if !body.is_free() {
-                continue;
-            }
-            let beyond = (0..D).find(|&k| {
-                !self.domain.periodic[k] && (here[k] < self.domain.min[k] || here[k] > self.domain.max[k])
-            });
-            if let Some(k) = beyond {
-                let what = format!(
-                    "{} (m) of the body `{}`, at the end of the box,",
-                    ["x", "y", "z"][k.min(2)],
-                    body.name
-                );
-                return Err(self.collision(i, what, here[k]));
-            }
-            for (other, number) in self.bodies.iter().zip(0_u8..) {
-                let BodyKind::Solid { motion, surface: Some(surface), .. } = &other.kind else { continue };
-                if number == side.body {
-                    continue;
-                }
-                let place = self.domain.wrap(&motion.origin(&self.domain.wrap(here), self.time));
-                let distance = surface(&place);
-                if distance < 0.0 {
-                    let what = format!("distance (m) of the body `{}` from `{}`", body.name, other.name);
-                    return Err(self.collision(i, what, distance));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn collision(&self, i: u32, quantity: String, value: f64) -> RunError {
-        RunError::BlowUp {
-            step: self.steps,
-            time: self.time,
-            particle: self.own[i as usize].id as usize,
-            quantity,
-            value,
-            remedy:
-                "bodies that touch have no law of contact here: end the run before, or begin further away"
-                    .to_owned(),
-        }
-    }
 }
 
 #[cfg(test)]
