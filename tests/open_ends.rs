@@ -162,9 +162,9 @@ fn poiseuille<const D: usize>(n: i32, reynolds: f64, duration: f64) {
     let (mut wrong, mut all) = (0.0, 0.0);
     // Least squares of the pressure over the middle half.
     let (mut s, mut sx, mut sp, mut sxx, mut sxp) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for i in 0..present.len() {
+    for (i, one) in present.iter().enumerate() {
         let x = seen.position[i];
-        if !present[i].inside || seen.volume_fraction[i] >= 1.0 {
+        if !one.inside || seen.volume_fraction[i] >= 1.0 {
             continue;
         }
         wrong += (seen.velocity[i] - Vector::<D>::from_fn(|k, _| if k == 0 { parabola(x[1]) } else { 0.0 }))
