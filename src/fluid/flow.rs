@@ -127,6 +127,7 @@ impl<const D: usize> Flow<D> {
                 pressure: 0.0,
                 viscosity,
                 moment: Symmetric::identity(1.0),
+                uneven: false,
                 reach: 0.0,
             });
             own.push(Own {

@@ -10,12 +10,13 @@ use crate::fluid::blocks::{Block, build_blocks};
 use crate::fluid::flow::Flow;
 use crate::fluid::mirror::{Continuation, Moving, mirror};
 use crate::fluid::order::along_a_curve;
-use crate::fluid::pass::{sweep_densities, sweep_forces, sweep_reactions};
+use crate::fluid::pass::sweep_reactions;
 use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
 use crate::fluid::terms::continuity::corrected_rate;
 use crate::fluid::terms::{Continuity, Moment};
 use crate::fluid::wall::{Obstacles, carry};
+use crate::fluid::wide::{sweep_densities, sweep_forces};
 use crate::vector::Vector;
 
 /// Relative change of density at which a run is given up.
@@ -216,7 +217,7 @@ impl<const D: usize> Flow<D> {
             if side.is_solid() {
                 side.reach = rates.density;
             } else if some {
-                side.moment = Moment.correction(&rates.moment);
+                (side.moment, side.uneven) = Moment.correction(&rates.moment);
             }
         }
     }
@@ -254,7 +255,7 @@ impl<const D: usize> Flow<D> {
                     side.pressure = state.pressure(side.density, own.rest_density, c);
                     side.volume = own.mass / side.density;
                     if corrected {
-                        side.moment = Moment.correction(&rates.moment);
+                        (side.moment, side.uneven) = Moment.correction(&rates.moment);
                     }
                     let change = (side.density / own.rest_density - 1.0).abs();
                     // Written so that "not a number" is a fault too.

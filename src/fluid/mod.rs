@@ -7,6 +7,7 @@
 //! | [`order`], [`blocks`] | particles in the order of a space-filling curve; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
 //! | [`particles`], [`pass`], [`physics`], [`terms`] | state; the sweeps over pairs; what they add up; one equation each |
+//! | [`wide`] | the sweeps once more for processors with AVX2 |
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
@@ -50,6 +51,7 @@ pub mod symmetric;
 pub mod terms;
 pub mod wall;
 pub mod weights;
+pub mod wide;
 
 pub use bodies::BodyState;
 pub use deform::Deformation;

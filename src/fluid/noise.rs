@@ -81,6 +81,7 @@ impl<const D: usize> ThermalNoise<D> {
 
     /// The same between fluid i and solid j, where `share` is the part s_i of i in what j mirrors.
     #[inline(always)]
+    #[must_use]
     pub fn solid(
         &self,
         form: Friction,
@@ -89,11 +90,10 @@ impl<const D: usize> ThermalNoise<D> {
         p: &Pair<D>,
         i: &Side<D>,
         j: &Side<D>,
-        out: &mut Vector<D>,
-    ) {
+    ) -> Vector<D> {
         let size = (self.power * rub / (i.volume * j.volume)).sqrt();
         let n = self.draw(i.id, j.id) + self.draw(j.id, j.id) * share.sqrt();
-        *out += shape(form, n, &p.x) * size;
+        shape(form, n, &p.x) * size
     }
 
     /// The torque on body number `body` that goes with its friction a `rub` ω, `rub` in kg m²/s per unit thickness.

@@ -14,7 +14,8 @@ pub enum Material {
     FreeSlip,
 }
 
-/// One side of a pair: packed, since a sweep reads all of it at a random place.
+/// One side of a pair: packed, since a sweep reads all of it at a random place. Whole lines of the cache for each were
+/// slower: they take more of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Side<const D: usize> {
@@ -32,6 +33,8 @@ pub struct Side<const D: usize> {
     pub material: Material,
     /// Index of the body.
     pub body: u8,
+    /// Whether the factor of friction may need its limits, [`crate::fluid::terms::Moment`].
+    pub uneven: bool,
     /// Pa.
     pub pressure: f64,
     /// Dynamic viscosity, Pa s; of a solid without meaning.

@@ -44,21 +44,33 @@ pub struct Approach<const D: usize> {
     pub apart: Vector<D>,
     /// (v_i - v_j)·x, the same from both sides; m²/s.
     pub opening: f64,
+    /// (w_i + w_j)·x with the drift w; m²/s.
+    pub drifting: f64,
+    /// rho_j - rho_i, kg/m³.
+    pub denser: f64,
 }
 
 impl<const D: usize> Approach<D> {
-    /// The approach of i and j at a contact in the row of a fluid particle.
+    /// The approach of i and j at `x` = x_i - x_j (m) with a weight F.
     #[inline(always)]
-    fn new(c: &Contact<D>, i: &Side<D>, j: &Side<D>) -> Approach<D> {
+    #[must_use]
+    pub fn new(x: &Vector<D>, f: f64, i: &Side<D>, j: &Side<D>) -> Approach<D> {
         let apart = i.velocity - j.velocity;
-        Approach { x: c.x, f: c.weight, apart, opening: apart.dot(&c.x) }
+        Approach {
+            x: *x,
+            f,
+            apart,
+            opening: apart.dot(x),
+            drifting: (i.drift + j.drift).dot(x),
+            denser: j.density - i.density,
+        }
     }
 
     /// The same pair seen from j.
     #[inline(always)]
     #[must_use]
     pub fn back(&self) -> Approach<D> {
-        Approach { x: -self.x, apart: -self.apart, ..*self }
+        Approach { x: -self.x, apart: -self.apart, drifting: -self.drifting, denser: -self.denser, ..*self }
     }
 
     /// F x⊗x, the same from both sides.
@@ -75,7 +87,7 @@ impl<const D: usize> Approach<D> {
 }
 
 /// What the sweeps find for one particle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates<const D: usize> {
     /// kg/m³/s; of a solid Σ V W over the fluid before it.
     pub density: f64,
@@ -117,7 +129,8 @@ pub fn share<const D: usize>(kernel: &Kernel<D>, x: &Vector<D>, i: &Side<D>, j: 
 }
 
 /// First sweep over a block: finds the contacts, sums density rates, second moments and volume fractions of solid.
-pub fn sweep_densities<const D: usize>(
+#[inline(always)]
+pub(super) fn densities<const D: usize>(
     block: &mut Block<D>,
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
@@ -159,7 +172,7 @@ fn sum_densities<const D: usize>(
         let mut sum = Gain::default();
         for c in block.inner.row(row) {
             let j = &sides[c.j as usize];
-            let approach = Approach::new(&c, i, j);
+            let approach = Approach::new(&c.x, c.weight, i, j);
             let other = &mut rates[c.j as usize - first];
             sum.density += j.volume * terms.density(makeup, &approach, i, j);
             other.density += i.volume * terms.density(makeup, &approach.back(), j, i);
@@ -223,7 +236,7 @@ impl<const D: usize> Gain<D> {
     /// Adds what i gains from j.
     #[inline(always)]
     fn see(&mut self, makeup: Makeup, terms: &Terms<D>, c: &Contact<D>, i: &Side<D>, j: &Side<D>) {
-        let approach = Approach::new(c, i, j);
+        let approach = Approach::new(&c.x, c.weight, i, j);
         self.density += j.volume * terms.density(makeup, &approach, i, j);
         if makeup.moment {
             self.moment.add_scaled(&approach.moment(), j.volume);
@@ -258,7 +271,8 @@ fn fraction<const D: usize>(
 }
 
 /// Second sweep over a block: forces and crowding of the fluid particles, from the contacts of the first.
-pub fn sweep_forces<const D: usize>(
+#[inline(always)]
+pub(super) fn forces<const D: usize>(
     block: &Block<D>,
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
@@ -343,7 +357,7 @@ fn forces_at_walls<const D: usize>(
     }
 }
 
-/// What the fluid does to the solids of a block that ask for it: exactly the opposite of what [`sweep_forces`] gives the
+/// What the fluid does to the solids of a block that ask for it: exactly the opposite of what [`forces`] gives the
 /// fluid, pair by pair, as a force per volume of the solid particle (N/m³) into `rates`.
 pub fn sweep_reactions<const D: usize>(
     block: &Block<D>,

@@ -5,7 +5,6 @@ use crate::fluid::noise::ThermalNoise;
 use crate::fluid::particles::Side;
 use crate::fluid::pass::{Approach, Pair};
 use crate::fluid::setup::Friction;
-use crate::fluid::symmetric::Symmetric;
 use crate::fluid::terms::{
     Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity, viscosity,
 };
@@ -118,8 +117,12 @@ impl<const D: usize> Terms<D> {
     pub fn rub<const SOLID: bool>(&self, makeup: Makeup, p: &Pair<D>, i: &Side<D>, j: &Side<D>) -> f64 {
         let eta = if SOLID { viscosity::with_solid(i, j) } else { viscosity::between_fluids(i, j) };
         let rub = eta * p.f;
-        let other: &Symmetric<D> = if SOLID { &i.moment } else { &j.moment };
-        if makeup.moment { rub * Moment.pair(&p.x, &i.moment, other) } else { rub }
+        let other = if SOLID { i } else { j };
+        if makeup.moment {
+            rub * Moment.pair(&p.x, &i.moment, &other.moment, i.uneven || other.uneven)
+        } else {
+            rub
+        }
     }
 
     /// The force between fluid i and j, N/m³ times m^-D: V_j of it is the force per volume of i.
@@ -157,7 +160,7 @@ impl<const D: usize> Terms<D> {
         if makeup.noise
             && let Some(noise) = &self.noise
         {
-            noise.solid(makeup.form, rub, share, p, i, j, &mut out);
+            out += noise.solid(makeup.form, rub, share, p, i, j);
         }
         out
     }

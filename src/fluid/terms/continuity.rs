@@ -36,9 +36,7 @@ impl Continuity {
         };
         if i.body == j.body {
             match self {
-                Continuity::Corrected | Continuity::Advected => {
-                    sum += 0.5 * (j.density - i.density) * (i.drift + j.drift).dot(&a.x)
-                }
+                Continuity::Corrected | Continuity::Advected => sum += 0.5 * a.denser * a.drifting,
                 Continuity::Printed => sum += (i.drift * i.density + j.drift * j.density).dot(&a.x),
                 Continuity::Summed => (),
             }

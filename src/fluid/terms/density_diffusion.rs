@@ -25,7 +25,7 @@ impl DensityDiffusion {
     #[inline(always)]
     pub fn pair<const D: usize>(&self, a: &Approach<D>, i: &Side<D>, j: &Side<D>, out: &mut f64) {
         if i.body == j.body {
-            *out += self.strength * a.f * (j.density - i.density);
+            *out += self.strength * a.f * a.denser;
         }
     }
 }
