@@ -321,6 +321,7 @@ fn domain(plan: &Plan) -> DomainRecord {
                             Boundary::Periodic => "periodic",
                             Boundary::NoSlip => "no_slip",
                             Boundary::FreeSlip => "free_slip",
+                            Boundary::Open => "open",
                         }
                         .into()
                     })
@@ -334,7 +335,7 @@ fn domain(plan: &Plan) -> DomainRecord {
 /// Conditions in words.
 #[must_use]
 pub fn conditions(model: &Model) -> Vec<String> {
-    use crate::model::conditions::{WallName, What};
+    use crate::model::conditions::{EndModel, WallMotion, WallName, What};
     use crate::model::names::axis_name;
     use crate::quantity::readable::{show, show_vector, significant};
     let Domain::Particles(domain) = &model.domain else { return Vec::new() };
@@ -385,7 +386,24 @@ pub fn conditions(model: &Model) -> Vec<String> {
                     let at = if *at == 0.0 { "0".into() } else { show_vector(&[*at], "m") };
                     format!("no diffusion across {} = {at}", axis_name(*axis))
                 }
+                What::MovingWall { wall, motion: WallMotion::Deform(_) } => {
+                    format!("deforming wall {}", wall_name(wall))
+                }
                 What::MovingWall { wall, .. } => format!("moving wall {}", wall_name(wall)),
+                What::FreeBody { group: g, body } => {
+                    format!("free body {} of {} kg/m³", group(*g), significant(body.density, 4))
+                }
+                What::Open { axis, upper, end, species: list } => {
+                    let at = format!("{}_{}", axis_name(*axis), if *upper { "max" } else { "min" });
+                    let what = match end {
+                        EndModel::Velocity(_) => "at a given velocity".to_string(),
+                        EndModel::Pressure(pressure) => format!("at {} Pa", significant(*pressure, 4)),
+                    };
+                    match list.is_empty() {
+                        true => format!("open end {at} {what}"),
+                        false => format!("open end {at} {what}, with {}", species(list)),
+                    }
+                }
                 What::Flux { wall, species } => {
                     let each = species
                         .iter()

@@ -2,6 +2,7 @@
 
 use crate::chemistry::{AVOGADRO, GroupSet, Links};
 use crate::error::RunError;
+use crate::fluid::open::Presence;
 use crate::fluid::surface::{Facing, Surface, facing};
 use crate::fluid::{BodyKind, Flow, Setup, Snapshot, Voxels, exchange};
 use crate::geometry::shape::embed;
@@ -19,9 +20,22 @@ pub struct Scene<'p, const D: usize> {
     pub positions: Vec<Vector<3>>,
     /// m³.
     pub volumes: Vec<f64>,
+    /// Home group of each particle; those that are not in the box now have the number of walls round it.
+    pub home: Vec<u8>,
     /// Zone a particle is in, or its home group.
     pub current: Vec<u8>,
+    /// Where there are open ends: who is in the box, and who left and entered it by which end at the last step.
+    presence: Vec<Presence>,
+    pub crossings: Crossings,
     momentum: Option<Momentum<D>>,
+}
+
+/// Particles that crossed an open end during a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Crossings {
+    pub left: Vec<u32>,
+    /// By the lower and by the upper end.
+    pub entered: [Vec<u32>; 2],
 }
 
 /// Momentum of a fluid that nothing holds, per unit thickness: kg m/s times m^(D-3).
@@ -47,7 +61,9 @@ impl<'p, const D: usize> Scene<'p, D> {
         if let Some(noise) = setup.as_mut().and_then(|setup| setup.noise.as_mut()) {
             noise.realization = u64::from(realization);
         }
-        let mut flow = setup.map(Flow::new).transpose()?;
+        let mut flow = setup
+            .map(|setup| Flow::with_ends(setup, plan.openings.as_ref().map(|openings| openings.open.clone())))
+            .transpose()?;
         if let Some(flow) = flow.as_mut().filter(|_| plan.velocity.uniform().is_none()) {
             flow.set_velocity(|x| {
                 let velocity = plan.velocity.at(&embed(x));
@@ -68,7 +84,10 @@ impl<'p, const D: usize> Scene<'p, D> {
             },
             positions: Vec::new(),
             volumes: Vec::new(),
+            home: Vec::new(),
             current: Vec::new(),
+            presence: Vec::new(),
+            crossings: Crossings::default(),
             momentum: plan.flow.as_ref().filter(|setup| is_free(setup)).map(|setup| Momentum {
                 start: None,
                 scale: 0.0,
@@ -85,12 +104,13 @@ impl<'p, const D: usize> Scene<'p, D> {
         if let Some(flow) = &self.flow {
             self.snapshot = flow.snapshot();
         }
+        self.note_presence();
         self.positions = self.snapshot.position.iter().map(embed).collect();
         self.volumes = self.snapshot.volume.iter().map(|v| v * self.plan.thickness).collect();
         self.current = self
             .positions
             .iter()
-            .zip(&self.plan.home)
+            .zip(&self.home)
             .map(|(x, &home)| {
                 // Walls do not pass through zones; what flows, or rests in one, is counted to it.
                 let zone = self.plan.zones.iter().find(|(_, shape)| shape.holds(x));
@@ -100,6 +120,41 @@ impl<'p, const D: usize> Scene<'p, D> {
                 }
             })
             .collect();
+    }
+
+    /// Who is in the box, and who came and went since it was asked last.
+    fn note_presence(&mut self) {
+        self.home.clone_from(&self.plan.home);
+        let Some((openings, now)) =
+            self.plan.openings.as_ref().zip(self.flow.as_ref().and_then(|flow| flow.presence()))
+        else {
+            return;
+        };
+        let boundary = self.plan.home.iter().copied().max().unwrap_or(0);
+        let axis = openings.open.axis;
+        let domain = &self.plan.domain;
+        self.crossings = Crossings::default();
+        for (i, one) in now.iter().enumerate() {
+            if !one.inside {
+                self.home[i] = boundary;
+            } else if one.entries > 0 {
+                self.home[i] = openings.group;
+            }
+            if one.inside && !self.plan.is_wall(self.home[i]) {
+                // It crosses the end when the lists are built next.
+                let x = &mut self.snapshot.position[i][axis];
+                *x = x.clamp(domain.min[axis], domain.max[axis]);
+            }
+            let Some(before) = self.presence.get(i) else { continue };
+            let again = one.entries != before.entries;
+            if before.inside && (!one.inside || again) {
+                self.crossings.left.push(i as u32);
+            }
+            if one.inside && (!before.inside || again) {
+                self.crossings.entered[usize::from(one.by)].push(i as u32);
+            }
+        }
+        self.presence = now;
     }
 
     /// Moves the flow by `steps` steps of `dt` seconds and looks again.
@@ -171,7 +226,7 @@ impl<'p, const D: usize> Scene<'p, D> {
         else {
             return Vec::new(); // refused when the plan was made
         };
-        let members: Vec<bool> = self.plan.home.iter().map(|home| home == group).collect();
+        let members: Vec<bool> = self.home.iter().map(|home| home == group).collect();
         let distance = |x: &Vector<D>| shape.signed_distance(&embed(x));
         self.faces(habitat, Surface::Body { members: &members, distance: &distance })
     }
@@ -183,7 +238,7 @@ impl<'p, const D: usize> Scene<'p, D> {
 
     /// What `see` makes of the particles as hosts of the species that live in the groups of `habitat`.
     fn for_habitat<T>(&self, habitat: GroupSet, see: impl FnOnce(&Voxels<D>) -> T) -> T {
-        let hosts: Vec<bool> = self.plan.home.iter().map(|&home| habitat.holds(home)).collect();
+        let hosts: Vec<bool> = self.home.iter().map(|&home| habitat.holds(home)).collect();
         // What stays where it is and does not hold the species is in its way.
         let distances: Vec<_> = self
             .plan
@@ -210,7 +265,7 @@ impl<'p, const D: usize> Scene<'p, D> {
         Places {
             positions: &self.positions,
             volumes: &self.volumes,
-            home: &self.plan.home,
+            home: &self.home,
             current: &self.current,
         }
     }
@@ -219,7 +274,7 @@ impl<'p, const D: usize> Scene<'p, D> {
     #[must_use]
     pub fn members(&self, group: u8) -> Vec<u32> {
         (0..self.positions.len() as u32)
-            .filter(|&i| self.current[i as usize] == group || self.plan.home[i as usize] == group)
+            .filter(|&i| self.current[i as usize] == group || self.home[i as usize] == group)
             .collect()
     }
 }

@@ -363,3 +363,55 @@ fn a_negative_propensity_is_shown_with_its_expression() {
         }
     }
 }
+
+#[rstest]
+#[case::open_without_conditions("x: periodic", "x: open", "", "m.yaml:15:13", &["open along x", "at x_min", "pressure: 0"])]
+#[case::one_end_only("x: periodic", "x: open", "a: { open: { at: x_min, pressure: 0 } }", "m.yaml:15:13", &["at x_max"])]
+#[case::an_end_twice("x: periodic", "x: open", "a: { open: { at: x_min, pressure: 0 } }, b: { open: { at: x_max, pressure: 0 } }, c: { open: { at: x_max, pressure: 0 } }", "m.yaml:15:97", &["second condition for the end x_max"])]
+#[case::two_velocities("x: periodic", "x: open", "a: { open: { at: x_min, velocity: [1 mm/s, 0] } }, b: { open: { at: x_max, velocity: [1 mm/s, 0] } }", "m.yaml:15:66", &["nothing sets the pressure"])]
+#[case::two_open_axes("x: periodic, y: no_slip", "x: open, y: open", "", "m.yaml:10:15", &["two axes are open"])]
+#[case::end_of_a_closed_axis("x: periodic", "x: periodic", "a: { open: { at: y_min, pressure: 0 } }", "m.yaml:15:32", &["not open along y", "boundaries: { y: open }"])]
+#[case::no_such_end("x: periodic", "x: open", "a: { open: { at: inlet, pressure: 0 } }", "m.yaml:15:32", &["no end of the box"])]
+#[case::velocity_and_pressure("x: periodic", "x: open", "a: { open: { at: x_min, velocity: [0, 0], pressure: 0 } }", "m.yaml:15:26", &["either a velocity or a pressure"])]
+#[case::molecules_that_enter("x: periodic", "x: open", "a: { open: { at: x_min, pressure: 0, species: { A: 100 } } }", "m.yaml:15:26", &["is a concentration"])]
+#[case::wall_at_an_open_end("x: periodic", "x: open", "a: { moving_wall: { in: x_min, velocity: [0, 1 mm/s] } }", "m.yaml:15:39", &["open along x; there is no wall"])]
+#[case::held_in_what_flows_out("x: periodic", "x: open", "a: { open: { at: x_min, pressure: 0 } }, b: { open: { at: x_max, pressure: 0 } }, h: { held: { in: medium, species: { A: 1 uM } } }", "m.yaml:15:97", &["leave the box", "sponge"])]
+fn of_open_ends(
+    #[case] from: &str,
+    #[case] to: &str,
+    #[case] conditions: &str,
+    #[case] place: &str,
+    #[case] words: &[&str],
+) {
+    let model = PARTICLES.replace("initial:", &format!("conditions: {{ {conditions} }}\ninitial:"));
+    check(&refused(&model, from, to, &[]), place, words);
+}
+
+#[rstest]
+#[case::no_density("post", "free_body: { in: post }", "m.yaml:16:31", &["\"density\" is missing"])]
+#[case::free_side("post", "free_body: { in: y_min, density: 1 kg/L }", "m.yaml:16:37", &["a side of the box cannot move freely"])]
+#[case::free_fluid("post", "free_body: { in: medium, density: 1 kg/L }", "m.yaml:16:37", &["is no wall"])]
+#[case::free_body_at_a_wall("low", "free_body: { in: low, density: 1 kg/L }", "m.yaml:16:15", &["touches the end of the box along y", "one spacing"])]
+#[case::told_twice("post", "free_body: { in: post, density: 1 kg/L } }, n: { moving_wall: { in: post, rotation: 1 1/s }", "m.yaml:16:64", &["`m` already says"])]
+#[case::displaced_from_the_start("post", "moving_wall: { in: post, displacement: [1 um, 0] }", "m.yaml:16:15", &["at t = 0", "begin at zero"])]
+#[case::displacement_of_another_dimension("post", "moving_wall: { in: post, displacement: [\"1 um/s\", 0] }", "m.yaml:16:61", &["expected a length"])]
+#[case::displacement_by_a_species("post", "moving_wall: { in: post, displacement: [\"A * t\", 0] }", "m.yaml:16:61", &["unknown name \"A\""])]
+#[case::displacement_of_three("post", "moving_wall: { in: post, displacement: [0, 0, 0] }", "m.yaml:16:59", &["expected 2 components"])]
+#[case::side_that_closes("post", "moving_wall: { in: y_min, displacement: [0, \"1 um/s * t\"] }", "m.yaml:16:60", &["cannot be displaced along y"])]
+#[case::displacement_and_velocity("post", "moving_wall: { in: post, displacement: [0, 0], velocity: [0, 0] }", "m.yaml:16:67", &["does not go with `displacement`"])]
+fn of_moving_solids(
+    #[case] group: &str,
+    #[case] condition: &str,
+    #[case] place: &str,
+    #[case] words: &[&str],
+) {
+    let height = if group == "low" { 1.5 } else { 4.0 };
+    let model = PARTICLES
+        .replace("[8 um, 8 um]", "[12 um, 12 um]")
+        .replace(
+            "groups:\n",
+            &format!("groups:\n  {group}: {{ material: wall, shape: {{ disc: {{ centre: [4 um, {height} um], radius: 2 um }} }} }}\n"),
+        )
+        .replace("initial:", &format!("conditions: {{ m: {{ {condition} }} }}\ninitial:"));
+    check(&refused(&model, "name: t", "name: t", &[]), place, words);
+}

@@ -1,4 +1,5 @@
-//! Reservoirs: amounts that are held, and sponges that pull an amount towards a target at a given rate.
+//! Reservoirs: amounts that are held, sponges that pull an amount towards a target at a given rate, and what crosses
+//! an open end.
 
 use crate::chemistry::reactor::Reactor;
 use crate::chemistry::sampling_numbers::{binomial, poisson};
@@ -53,6 +54,25 @@ impl SplitState {
                 before + (target - before) * gone
             };
             self.put(voxel, species, after);
+        }
+    }
+
+    /// Takes all molecules out of `voxels`, which leave the domain; booked in `supplied`.
+    pub fn empty(&mut self, voxels: &[u32]) {
+        for &voxel in voxels {
+            for species in 0..self.supplied.len() {
+                self.put(voxel, species, 0.0);
+            }
+        }
+    }
+
+    /// Puts Poisson numbers of the given `means` of `species` into `voxels`, which enter the domain; continuous amounts
+    /// become the mean itself. Booked in `supplied`.
+    pub fn enter(&mut self, reactor: &Reactor, voxels: &[u32], species: usize, means: &[f64]) {
+        for (&voxel, &mean) in voxels.iter().zip(means) {
+            let whole = self.whole(reactor, voxel as usize, species);
+            let amount = if whole { poisson(&mut self.reservoirs, mean) as f64 } else { mean };
+            self.put(voxel, species, amount);
         }
     }
 

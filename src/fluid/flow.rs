@@ -6,6 +6,7 @@ use crate::fluid::domain::{Domain, Shortest};
 use crate::fluid::kernel::Kernel;
 use crate::fluid::mirror::Mirror;
 use crate::fluid::noise::ThermalNoise;
+use crate::fluid::open::{Open, Openings};
 use crate::fluid::particles::{Material, Own, Side};
 use crate::fluid::pass::Rates;
 use crate::fluid::physics::Terms;
@@ -34,6 +35,8 @@ pub struct Flow<const D: usize> {
     pub(super) rates: Vec<Rates<D>>,
     pub(super) mirrors: Vec<Mirror<D>>,
     pub(super) solids: Vec<u32>,
+    /// The ends where particles enter and leave.
+    pub(super) openings: Option<Openings<D>>,
     /// Bodies whose reaction is asked for.
     pub(super) asks: Vec<bool>,
     /// Bound on how far any particle moved since the lists were built, m.
@@ -56,6 +59,10 @@ pub(super) struct Scales<const D: usize> {
     pub drift_correction: u64,
     pub state: EquationOfState,
     pub shepard: Option<u64>,
+    /// Of the lightest fluid, kg/m³.
+    pub rest_density: f64,
+    /// The largest of the fluids, Pa s.
+    pub viscosity: f64,
 }
 
 /// What is counted over the steps.
@@ -77,7 +84,16 @@ impl<const D: usize> Flow<D> {
     /// [`RunError::BlowUp`] at step 0 where the setup cannot run: a box shorter than two cut-offs on a periodic
     /// axis, a body without description, a place, volume, density or scale that is no positive number.
     pub fn new(setup: Setup<D>) -> Result<Flow<D>, RunError> {
+        Flow::with_ends(setup, None)
+    }
+
+    /// As [`Flow::new`], with an axis that is open.
+    ///
+    /// # Errors
+    /// As [`Flow::new`].
+    pub fn with_ends(setup: Setup<D>, open: Option<Open<D>>) -> Result<Flow<D>, RunError> {
         setup.check()?;
+        let openings = open.map(|open| Openings::new(open, &setup));
         let sound_speed = setup.sound_speed.unwrap_or_else(|| setup.automatic_sound_speed());
         let (h, shift) = (setup.cutoff, setup.shift());
         let options = &setup.options;
@@ -85,6 +101,10 @@ impl<const D: usize> Flow<D> {
         let lightest = setup.bodies.iter().fold(f64::INFINITY, |rho, body| match body.kind {
             BodyKind::Fluid { density, .. } => density.min(rho),
             BodyKind::Solid { .. } => rho,
+        });
+        let stickiest = setup.bodies.iter().fold(0.0_f64, |mu, body| match body.kind {
+            BodyKind::Fluid { viscosity, .. } => mu.max(viscosity),
+            BodyKind::Solid { .. } => mu,
         });
         let terms = terms(&setup);
         let (mut positions, mut sides, mut own) = (Vec::new(), Vec::new(), Vec::new());
@@ -141,9 +161,12 @@ impl<const D: usize> Flow<D> {
                 courant,
                 shift,
                 surface_fraction: options.surface_fraction,
-                drift_correction: options.drift_correction,
+                // Where fluid leaves at a given pressure, there is no drift to take out.
+                drift_correction: if openings.is_some() { 0 } else { options.drift_correction },
                 state: setup.state,
                 shepard: options.shepard,
+                rest_density: lightest,
+                viscosity: stickiest,
             },
             domain: setup.domain,
             bodies: setup.bodies,
@@ -158,12 +181,14 @@ impl<const D: usize> Flow<D> {
             rates: vec![Rates::default(); n],
             mirrors: vec![Mirror { velocity: Vector::zeros(), pressure: 0.0 }; n],
             solids: Vec::new(),
+            openings,
             asks,
             travel: 0.0,
             time: 0.0,
             steps: 0,
             noise_step: 0.0,
         };
+        flow.weigh_bodies();
         flow.carry_solids();
         flow.sort();
         flow.rebuild();
@@ -176,6 +201,7 @@ impl<const D: usize> Flow<D> {
             let (c, u) = (flow.sound_speed, flow.setup.reference_speed);
             flow.terms.density_diffusion = Some(DensityDiffusion::new(delta, h, c, u));
         }
+        flow.densities_at_ends();
         flow.mirrors();
         flow.forces(0.0);
         flow.finish(0.0);
@@ -195,8 +221,8 @@ impl<const D: usize> Flow<D> {
         self.densities();
         self.moments();
         self.mirrors();
-        // The random velocities of a start in thermal motion have no pressure of their own.
-        if self.terms.noise.is_none() {
+        // The random velocities of a start in thermal motion have no pressure of their own, and open ends set it.
+        if self.terms.noise.is_none() && self.openings.is_none() {
             self.balance_pressure();
         }
         self.carry_solids();

@@ -36,7 +36,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Advances by `duration` (s) in equal steps of at most the step limit, up to t = 0: until then walls that
-    /// travel or oscillate rest, and those that rotate turn in their place.
+    /// travel, oscillate or are free rest, and those that rotate turn in their place.
     ///
     /// # Errors
     /// As [`Flow::advance`].
@@ -46,8 +46,10 @@ impl<const D: usize> Flow<D> {
         }
         let steps = (duration / self.step_limit().seconds).ceil().max(1.0);
         self.time = -duration;
+        self.hold_bodies();
         self.advance(duration / steps, steps as u64)?;
         self.time = 0.0;
+        self.release_bodies();
         Ok(())
     }
 
@@ -57,10 +59,13 @@ impl<const D: usize> Flow<D> {
             self.redraw(dt);
         }
         self.kick_and_drift(dt);
+        self.kick_and_drift_bodies(dt);
         self.time += dt;
         self.steps += 1;
         self.carry_solids();
         if self.travel > 0.5 * self.setup.skin {
+            self.pass_ends()?;
+            self.check_bodies()?;
             if self.tally.rebuilds.is_multiple_of(SORTING) {
                 self.sort();
             }
@@ -71,6 +76,7 @@ impl<const D: usize> Flow<D> {
         if self.setup.shepard.is_some_and(|every| every > 0 && self.steps.is_multiple_of(every)) {
             self.filter_densities();
         }
+        self.densities_at_ends();
         self.mirrors();
         self.forces(dt);
         self.finish(dt);
@@ -84,16 +90,23 @@ impl<const D: usize> Flow<D> {
     fn redraw(&mut self, dt: f64) {
         self.begin_noise(dt);
         let (terms, kernel, sides, gravity) = (&self.terms, &self.kernel, &self.sides, self.setup.gravity);
+        let asks = &self.asks;
+        let asked = asks.iter().any(|&asks| asks);
         self.blocks
             .par_iter()
             .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
             .zip(self.own.par_chunks_mut(Block::<D>::SIZE))
             .for_each(|((block, rates), own)| {
                 sweep_forces(block, rates, terms, kernel, sides);
+                if asked {
+                    sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
+                }
                 for ((rates, own), side) in rates.iter().zip(own).zip(&sides[block.first..]) {
                     own.acceleration = rates.force / side.density + gravity + own.lift;
                 }
             });
+        self.load_bodies(0.0);
+        self.finish_ends(0.0);
     }
 
     /// Makes the noise ready for the present step.
@@ -183,6 +196,7 @@ impl<const D: usize> Flow<D> {
         build_blocks(&mut self.blocks, &self.positions, &self.sides, &self.domain, radius, mutual);
         self.travel = 0.0;
         self.tally.rebuilds += 1;
+        self.note_ends();
     }
 
     pub(super) fn densities(&mut self) {
@@ -215,7 +229,7 @@ impl<const D: usize> Flow<D> {
         let drift = self.density_drift();
         let corrected = self.terms.moment.is_some();
         let spread = self.terms.continuity == Continuity::Corrected;
-        let (domain, cutoff) = (&self.domain, self.kernel.cutoff());
+        let (domain, cutoff, closed) = (&self.domain, self.kernel.cutoff(), self.closed_axes());
         let size = Block::<D>::SIZE;
         let (worst, fault) = self
             .sides
@@ -250,7 +264,7 @@ impl<const D: usize> Flow<D> {
                     } else {
                         fault.get_or_insert((chunk * size + row, None));
                     }
-                    for k in (0..D).filter(|&k| !domain.periodic[k]) {
+                    for k in (0..D).filter(|&k| closed[k]) {
                         let out = (domain.min[k] - place[k]).max(place[k] - domain.max[k]);
                         if out > cutoff {
                             fault.get_or_insert((chunk * size + row, Some(k)));
@@ -338,6 +352,7 @@ impl<const D: usize> Flow<D> {
             dt,
             surface_fraction: self.setup.surface_fraction,
             spacing: self.setup.spacing,
+            closed: self.closed_axes(),
         };
         let (bounces, penetrations, furthest) = self
             .blocks
@@ -395,6 +410,9 @@ impl<const D: usize> Flow<D> {
                     }
                 }
             });
+        self.load_bodies(dt);
+        self.kick_bodies(dt);
+        self.finish_ends(dt);
     }
 
     /// Time a particle takes across a cut-off at the reference speed, s.
@@ -403,7 +421,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// The fault of particle `i` (in the present order) at the present step.
-    fn blow_up(&self, i: usize, quantity: &str, value: f64) -> RunError {
+    pub(super) fn blow_up(&self, i: usize, quantity: &str, value: f64) -> RunError {
         RunError::BlowUp {
             step: self.steps,
             time: self.time,

@@ -56,7 +56,8 @@ impl<const D: usize> Flow<D> {
 
     /// Longest step that friction allows, s.
     fn viscous_limit(&self) -> f64 {
-        VISCOUS_SAFETY * 2.0 / self.friction_rate()
+        // A body's own rate is no eigenvalue, but the two together are a bound on those of both.
+        VISCOUS_SAFETY * 2.0 / (self.friction_rate() + self.friction_rate_of_bodies())
     }
 
     /// The largest eigenvalue of the viscous operator u_i -> -(1/rho_i) Σ V_j (friction of i with j), 1/s, by power

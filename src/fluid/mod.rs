@@ -11,6 +11,8 @@
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
+//! | [`rigid`], [`bodies`], [`deform`] | a body the fluid moves; those of a flow; solids that deform |
+//! | [`open`], `buffers` | ends where particles enter and leave; what is prescribed beyond them |
 //! | [`observe`] | snapshots and health of a flow |
 //! | [`weights`], [`exchange`], [`interpolate`] | conductances for the chemistry, ours and as printed; fields at points |
 //!
@@ -18,6 +20,9 @@
 
 mod balance;
 pub mod blocks;
+pub mod bodies;
+mod buffers;
+pub mod deform;
 pub mod domain;
 pub mod exchange;
 mod filter;
@@ -31,11 +36,13 @@ pub mod motion;
 pub mod neighbours;
 pub mod noise;
 pub mod observe;
+pub mod open;
 pub mod order;
 pub mod particles;
 pub mod pass;
 pub mod physics;
 pub mod reaction;
+pub mod rigid;
 pub mod setup;
 mod sponge;
 mod state;
@@ -46,6 +53,8 @@ pub mod wall;
 pub mod weights;
 pub mod wide;
 
+pub use bodies::BodyState;
+pub use deform::Deformation;
 pub use domain::Domain;
 pub use exchange::{Barrier, Voxels};
 pub use flow::Flow;
@@ -55,6 +64,8 @@ pub use limit::StepLimit;
 pub use motion::Motion;
 pub use neighbours::Grid;
 pub use observe::{FlowHealth, Snapshot};
+pub use open::{End, Open};
+pub use rigid::Free;
 pub use setup::{
     Body, BodyKind, EquationOfState, Friction, Method, Noise, Options, Placed, Setup, Slip, Sponge,
 };

@@ -1,9 +1,12 @@
 //! How a solid body moves, as a function of time alone. Before t = 0, while a flow settles, bodies keep their
-//! places: those that travel or oscillate rest, those that rotate turn where they are.
+//! places: those that travel or oscillate rest, those that rotate turn where they are. A free body is the exception:
+//! the flow keeps its state in its motion.
 
+use crate::fluid::deform::Deformation;
+use crate::fluid::rigid::Rigid;
 use crate::vector::Vector;
 
-/// A prescribed motion.
+/// A motion, prescribed but for a free body's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Motion<const D: usize> {
     #[default]
@@ -17,6 +20,10 @@ pub enum Motion<const D: usize> {
     /// Rigid rotation about `centre` (m) with angular velocity `rate` (rad/s): in 2D its third component
     /// counts, in 3D the whole vector, in 1D there is none.
     Rotating { centre: Vector<D>, rate: [f64; 3] },
+    /// Particles displaced by a function of place and time.
+    Deforming(Deformation<D>),
+    /// Moved by the fluid: as it is now, whatever time is asked for.
+    Free(Box<Rigid<D>>),
 }
 
 impl<const D: usize> Motion<D> {
@@ -27,6 +34,8 @@ impl<const D: usize> Motion<D> {
             Motion::Still | Motion::Belt { .. } => *start,
             Motion::Translating { .. } | Motion::Oscillating { .. } => start + self.displacement(t),
             Motion::Rotating { centre, rate } => centre + rotate(&(start - centre), rate, t.max(0.0)),
+            Motion::Deforming(deformation) => deformation.position(start, t),
+            Motion::Free(rigid) => rigid.position(start),
         }
     }
 
@@ -37,6 +46,8 @@ impl<const D: usize> Motion<D> {
             Motion::Still | Motion::Belt { .. } => *point,
             Motion::Translating { .. } | Motion::Oscillating { .. } => point - self.displacement(t),
             Motion::Rotating { centre, rate } => centre + rotate(&(point - centre), rate, -t.max(0.0)),
+            Motion::Deforming(deformation) => deformation.origin(point, t),
+            Motion::Free(rigid) => rigid.origin(point),
         }
     }
 
@@ -49,6 +60,8 @@ impl<const D: usize> Motion<D> {
             Motion::Belt { velocity } | Motion::Translating { velocity } => *velocity,
             Motion::Oscillating { amplitude, frequency } => amplitude * (frequency * t).sin(),
             Motion::Rotating { centre, rate } => cross(rate, &(point - centre)),
+            Motion::Deforming(deformation) => deformation.velocity(&deformation.origin(point, t), t),
+            Motion::Free(rigid) => rigid.velocity_at(point),
         }
     }
 
@@ -60,6 +73,8 @@ impl<const D: usize> Motion<D> {
             Motion::Oscillating { .. } if t < 0.0 => Vector::zeros(),
             Motion::Oscillating { amplitude, frequency } => amplitude * (*frequency * (frequency * t).cos()),
             Motion::Rotating { centre, rate } => cross(rate, &cross(rate, &(point - centre))),
+            Motion::Deforming(deformation) => deformation.acceleration(&deformation.origin(point, t), t),
+            Motion::Free(rigid) => rigid.acceleration_at(point),
         }
     }
 

@@ -95,6 +95,14 @@ impl<const D: usize> ThermalNoise<D> {
         let n = self.draw(i.id, j.id) + self.draw(j.id, j.id) * share.sqrt();
         shape(form, n, &p.x) * size
     }
+
+    /// The torque on body number `body` that goes with its friction a `rub` ω, `rub` in kg m²/s per unit thickness.
+    #[must_use]
+    pub fn torque(&self, body: u8, rub: f64) -> [f64; 3] {
+        // No pair of particles has this key.
+        let bits = mix(self.step_key ^ (u64::from(u32::MAX - u32::from(body)) << 32 | u64::from(u32::MAX)));
+        std::array::from_fn(|k| deviate(bits >> (21 * k)) * (self.power * rub).sqrt())
+    }
 }
 
 /// Deviates with the covariance of the friction: 1, or 1 + e⊗e.

@@ -118,6 +118,14 @@ pub enum BodyKind<const D: usize> {
     Solid { slip: Slip, motion: Motion<D>, surface: Option<Surface<D>> },
 }
 
+impl<const D: usize> Body<D> {
+    /// Whether the fluid moves it.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        matches!(self.kind, BodyKind::Solid { motion: Motion::Free(_), .. })
+    }
+}
+
 /// What a solid does to the tangential velocity of the fluid at its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]

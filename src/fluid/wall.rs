@@ -19,6 +19,8 @@ pub struct Obstacles<'a, const D: usize> {
     pub surface_fraction: f64,
     /// Distance of fluid particles, m: the scale of difference quotients.
     pub spacing: f64,
+    /// Axes that end in walls.
+    pub closed: [bool; D],
 }
 
 /// What happened to a particle at a wall.
@@ -141,7 +143,7 @@ impl<const D: usize> Obstacles<'_, D> {
     /// the check of the numbers to find.
     fn keep_in_box(&self, place: &mut Vector<D>) -> bool {
         let mut bounced = false;
-        for k in (0..D).filter(|&k| !self.domain.periodic[k]) {
+        for k in (0..D).filter(|&k| self.closed[k]) {
             let (low, high) = (self.domain.min[k], self.domain.max[k]);
             let over = (low - place[k]).max(place[k] - high);
             if over > 0.0 && over < 0.5 * (high - low) {
@@ -200,6 +202,7 @@ mod tests {
             dt: 0.1,
             surface_fraction: 0.49,
             spacing: 0.2,
+            closed: [false, true],
         };
         for start in [V::new(0.0, 0.9), V::new(0.75, 0.01), V::new(2.3, -0.2), V::new(-0.99, 0.0)] {
             let (mut place, mut inside) = (start, false);

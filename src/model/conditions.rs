@@ -1,13 +1,18 @@
 //! The `conditions:` of a model: sponges, held values, sources, barriers, moving walls, forces;
 //! what happens at surfaces.
 
+mod bodies;
 mod buoyancy;
 mod held;
+mod open;
 mod surface;
 
+pub use bodies::FreeBody;
 pub use buoyancy::Expansion;
+pub use open::EndModel;
 
 use super::domain::{Boundary, ParticleDomain};
+use super::fluid::field::{self, Field};
 use super::groups::Material;
 use super::initial::{self, Amount, Deal};
 use super::names::{axis_name, group_index, pad, species_index};
@@ -39,6 +44,10 @@ pub enum What {
     Barrier { axis: usize, at: f64 },
     /// A wall that moves.
     MovingWall { wall: WallName, motion: WallMotion },
+    /// A rigid body that moves with the forces of the fluid.
+    FreeBody { group: usize, body: FreeBody },
+    /// Particles enter or leave at an end of an open axis; what enters carries these concentrations.
+    Open { axis: usize, upper: bool, end: EndModel, species: Vec<(usize, Amount)> },
     /// An acceleration of all fluid, m/s².
     Force { acceleration: Vector<3> },
     /// Concentrations make the fluid lighter or heavier; gravity in m/s².
@@ -69,6 +78,8 @@ pub enum WallMotion {
     Oscillate { velocity: Vector<3>, frequency: f64 },
     /// About a centre (2D: about z); rad/s.
     Rotate { centre: Vector<3>, rate: f64, axis: Vector<3> },
+    /// Particles displaced by a function of place and time, m.
+    Deform(Field),
 }
 
 /// Reads all conditions of a document.
@@ -89,7 +100,9 @@ pub fn read(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mu
             "held" => held::held(body, domain, network, faults),
             "source" => source(body, domain, network, faults),
             "barrier" => barrier(body, domain, faults),
-            "moving_wall" => moving_wall(body, domain, faults),
+            "moving_wall" => moving_wall(body, domain, network, faults),
+            "free_body" => bodies::free_body(body, domain, network, faults),
+            "open" => open::open(body, domain, network, faults),
             "force" => force(body, domain, faults),
             "buoyancy" => buoyancy::buoyancy(body, domain, network, faults),
             "flux" => surface::flux(body, domain, network, faults),
@@ -106,7 +119,12 @@ pub fn read(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mu
     found
 }
 
-const KINDS: &str = "kinds are: sponge, held, source, barrier, moving_wall, force, buoyancy, flux, absorbing";
+const KINDS: &str = "kinds are: sponge, held, source, barrier, moving_wall, free_body, open, force, buoyancy, flux, absorbing";
+
+/// Whether the ends of an open axis are described; `at` says which axes are open.
+pub(super) fn check_ends(node: Option<&Node>, domain: &ParticleDomain, at: &Node, faults: &mut Faults) {
+    open::check(node, domain, &domain.conditions, at, faults);
+}
 
 fn group(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults) -> Option<usize> {
     let node = fields.required("in", faults)?;
@@ -194,10 +212,14 @@ fn barrier(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<
     Some(What::Barrier { axis, at })
 }
 
-fn moving_wall(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<What> {
+fn moving_wall(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut Faults) -> Option<What> {
     let d = domain.dimensions;
     let mut fields = Fields::of(node, "moving_wall", faults)?;
     let wall = solid_wall(&mut fields, domain, faults);
+    if let Some(n) = fields.optional("displacement") {
+        let displacement = field::read(n, d, Dimension::LENGTH, network, faults);
+        return deforming(wall?, displacement?, (node, n), domain, faults);
+    }
     let velocity = match fields.optional("velocity") {
         Some(n) => Some(pad(&n.vector(Dimension::VELOCITY, d, faults)?)),
         None => None,
@@ -247,13 +269,47 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Opt
         _ => {
             faults.at(
                 &node.place,
-                "a moving wall has a velocity (and perhaps a frequency), or a rotation",
+                "a moving wall has a velocity (and perhaps a frequency), a rotation, or a displacement",
                 "for example { in: lid, velocity: [1 mm/s, 0] } or { in: rotor, rotation: 10 1/s, centre: [0, 0] }",
             );
             return None;
         }
     };
     Some(What::MovingWall { wall, motion })
+}
+
+/// A wall whose particles are displaced.
+fn deforming(
+    wall: WallName,
+    displacement: Field,
+    (node, at): (&Node, &Node),
+    domain: &ParticleDomain,
+    faults: &mut Faults,
+) -> Option<What> {
+    let Value::Map(entries) = &node.value else { return None };
+    if let Some((key, _)) = entries.iter().find(|(key, _)| key.name != "in" && key.name != "displacement") {
+        faults.at(
+            &key.place,
+            format!("`{}` does not go with `displacement`", key.name),
+            "a displacement says all of the motion: remove one of the two",
+        );
+        return None;
+    }
+    if let WallName::Side { axis, .. } = wall
+        && displacement.constant(axis) != Some(0.0)
+    {
+        faults.at(
+            &at.place,
+            format!("a side of the box cannot be displaced along {}", axis_name(axis)),
+            "let a group of material: wall stand before the side, and displace that",
+        );
+        return None;
+    }
+    if domain.fluid.is_none() {
+        faults.at(&node.place, "a wall deforms in a fluid, and none moves here", "add the section `fluid:`");
+        return None;
+    }
+    Some(What::MovingWall { wall, motion: WallMotion::Deform(displacement) })
 }
 
 /// The wall that a node names: a group, or a side of the box that is not periodic.
@@ -267,6 +323,14 @@ pub(super) fn wall_named(node: &Node, domain: &ParticleDomain, faults: &mut Faul
                         &node.place,
                         format!("the box is periodic along {}; there is no wall", axis_name(axis)),
                         "set the boundary to no_slip or free_slip",
+                    );
+                    return None;
+                }
+                if domain.boundaries[axis] == Boundary::Open {
+                    faults.at(
+                        &node.place,
+                        format!("the box is open along {}; there is no wall", axis_name(axis)),
+                        "say what enters and leaves there by `open: { at: ..., ... }`",
                     );
                     return None;
                 }

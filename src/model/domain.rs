@@ -30,6 +30,8 @@ pub enum Boundary {
     Periodic,
     NoSlip,
     FreeSlip,
+    /// Particles enter and leave; `open` conditions say how.
+    Open,
 }
 
 /// A box filled with particles; lengths in m. Unused coordinates are zero.
@@ -159,6 +161,7 @@ fn particles(
     let d = dimensions?;
     let min = corners.0?.vector(Dimension::LENGTH, d, faults);
     let max = corners.1?.vector(Dimension::LENGTH, d, faults);
+    let boundaries_at = boundaries_node.unwrap_or(sections.domain);
     let boundaries = boundaries(boundaries_node, d, faults);
     let layout = layout(sections.particles, sections.domain, faults);
     let (min, max) = (pad(&min?), pad(&max?));
@@ -201,14 +204,19 @@ fn particles(
     if let Some(node) = sections.conditions {
         domain.conditions = conditions::read(node, &domain, network, faults);
     }
+    conditions::check_ends(sections.conditions, &domain, boundaries_at, faults);
     Some(domain)
 }
 
 fn boundaries(node: Option<&Node>, d: usize, faults: &mut Faults) -> Option<Vec<Boundary>> {
     let mut found = vec![Boundary::NoSlip; d];
     let Some(node) = node else { return Some(found) };
-    let kinds =
-        [("periodic", Boundary::Periodic), ("no_slip", Boundary::NoSlip), ("free_slip", Boundary::FreeSlip)];
+    let kinds = [
+        ("periodic", Boundary::Periodic),
+        ("no_slip", Boundary::NoSlip),
+        ("free_slip", Boundary::FreeSlip),
+        ("open", Boundary::Open),
+    ];
     let mut fields = Fields::of(node, "boundaries", faults)?;
     for (axis, slot) in found.iter_mut().enumerate() {
         if let Some(choice) = fields.optional(axis_name(axis)).and_then(|n| n.choice(&kinds, faults)) {

@@ -1,5 +1,6 @@
 //! The `fluid:` of a model.
 
+pub(super) mod field;
 mod velocity;
 
 use super::node::{Node, Value};
@@ -8,6 +9,7 @@ use crate::chemistry::Network;
 use crate::fluid::{EquationOfState, Friction, Method, Options};
 use crate::quantity::Dimension;
 
+pub use field::Field;
 pub use velocity::Velocity;
 
 /// The fluid of a moving model.

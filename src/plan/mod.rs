@@ -1,10 +1,12 @@
 //! A checked model compiled into what the stepping needs: reactor, particles, bodies, columns to observe.
 
+mod bodies;
 pub mod chemistry;
 mod lift;
 pub mod limits;
 pub mod methods;
 pub mod narrow;
+mod openings;
 pub mod particles;
 pub mod start;
 pub mod surfaces;
@@ -15,6 +17,7 @@ use crate::error::{Fault, ModelError};
 use crate::model::{Domain, Method, Model};
 
 pub use lift::Lift;
+pub use openings::OpeningsPlan;
 pub use particles::ParticlePlan;
 
 /// A model ready to run.

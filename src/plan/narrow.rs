@@ -2,12 +2,12 @@
 
 use super::ParticlePlan;
 use crate::error::{Fault, Place};
-use crate::fluid::{Grid, Setup};
+use crate::fluid::{BodyKind, Grid, Setup};
 use crate::geometry::Shape;
 use crate::geometry::shape::embed;
 use crate::model::groups::Group;
 use crate::model::names::axis_name;
-use crate::model::{Material, Model, ParticleDomain};
+use crate::model::{Boundary, Material, Model, ParticleDomain};
 use crate::vector::Vector;
 
 /// Fewest particles across a gap that show a flow with a profile.
@@ -72,7 +72,8 @@ fn solids<'a, const D: usize>(
             distance: Box::new(|x: &Vector<D>| group.shape.signed_distance(&embed(&plan.domain.wrap(x)))),
         })
         .collect();
-    for k in (0..D).filter(|&k| !plan.domain.periodic[k]) {
+    let walled = |k: &usize| !matches!(domain.boundaries[*k], Boundary::Periodic | Boundary::Open);
+    for k in (0..D).filter(walled) {
         for upper in [false, true] {
             solids.push(Solid {
                 words: format!("the side {}_{}", axis_name(k), if upper { "max" } else { "min" }),
@@ -274,7 +275,8 @@ fn deep_corners<const D: usize>(
         grid.for_each_near(x, &places, |j, _, r2| {
             let share = setup.particles[j].volume * kernel.value(r2.sqrt());
             all += share;
-            solid += if plan.is_wall(plan.home[j]) { share } else { 0.0 };
+            let body = &setup.bodies[usize::from(setup.particles[j].body)];
+            solid += if matches!(body.kind, BodyKind::Solid { .. }) { share } else { 0.0 };
         });
         let fraction = solid / all;
         if fraction > setup.options.surface_fraction + TOLERANCE {

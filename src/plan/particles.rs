@@ -1,5 +1,6 @@
 //! Particles of a model: places, bodies of the flow, zones, barriers, sponges.
 
+use super::bodies::motion;
 use crate::error::Fault;
 use crate::fluid::{
     Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Noise, Placed, Setup, Slip, Sponge, Weights,
@@ -43,6 +44,8 @@ pub struct ParticlePlan<const D: usize> {
     pub surfaces: Vec<WallName>,
     /// What the flow is built from, if there is one.
     pub flow: Option<Setup<D>>,
+    /// Open ends, if there are any.
+    pub openings: Option<super::OpeningsPlan<D>>,
     /// Of the fluid at the start.
     pub velocity: Velocity,
     /// Species that make the fluid lighter or heavier.
@@ -178,16 +181,21 @@ impl<const D: usize> ParticlePlan<D> {
             held: Vec::new(),
             surfaces: super::surfaces::surfaces(domain),
             flow: None,
+            openings: None,
             velocity: domain.fluid.as_ref().map_or_else(Velocity::default, |fluid| fluid.velocity.clone()),
             lifts: super::lift::lifts(domain),
             settle: domain.fluid.as_ref().map_or(0.0, |fluid| fluid.settle),
             finest: domain.groups.iter().map(|group| group.spacing).fold(domain.spacing, f64::min),
         };
+        super::bodies::check(domain, &plan, faults);
         plan.check_zones(domain, faults);
         plan.read_conditions(domain);
         if let Some(fluid) = &domain.fluid {
             plan.add_side_walls(domain, &mut bodies);
-            plan.flow = Some(plan.setup(model, domain, fluid, bodies));
+            let openings = super::openings::add(&mut plan, domain, &mut bodies);
+            let mut setup = plan.setup(model, domain, fluid, bodies);
+            plan.openings = openings.map(|openings| openings.with_reserve(&mut plan, &mut setup));
+            plan.flow = Some(setup);
         }
         plan.check_extent(model, faults);
         plan
@@ -250,7 +258,13 @@ impl<const D: usize> ParticlePlan<D> {
         let margin: [i64; D] = std::array::from_fn(|k| if self.domain.periodic[k] { 0 } else { layers });
         let boundary = domain.groups.len() as u8;
         let mut body_of_side = [[None; 2]; 3];
-        for axis in (0..D).filter(|&axis| !self.domain.periodic[axis]) {
+        let open: [bool; D] = std::array::from_fn(|k| domain.boundaries[k] == Boundary::Open);
+        // Walls go on beside the buffers of open ends, and behind them.
+        let margin: [i64; D] = std::array::from_fn(|k| match open[k] {
+            true => 2 * layers + 1,
+            false => margin[k],
+        });
+        for axis in (0..D).filter(|&axis| !self.domain.periodic[axis] && !open[axis]) {
             for upper in [false, true] {
                 let surface_at = if upper { self.domain.max[axis] } else { self.domain.min[axis] };
                 let sign = if upper { -1.0 } else { 1.0 };
@@ -276,7 +290,8 @@ impl<const D: usize> ParticlePlan<D> {
                 BodyKind::Solid { motion, .. } => *motion != Motion::Still,
                 BodyKind::Fluid { .. } => false,
             };
-            let sides = || (0..D).filter(|&k| cell[k] < 0 || cell[k] >= cells[k]).filter_map(body_of);
+            let sides =
+                || (0..D).filter(|&k| !open[k] && (cell[k] < 0 || cell[k] >= cells[k])).filter_map(body_of);
             // The corners go with a side that moves: a lid that ended where the fluid ends would seem to the fluid at
             // its ends to draw matter in and push it out (the cavity's core turned 10 % too fast).
             if let Some(body) = sides().find(|&body| moves(body)).or_else(|| sides().next()) {
@@ -324,7 +339,8 @@ impl<const D: usize> ParticlePlan<D> {
             }
         }
         // The width across which the flow is sheared: the narrowest extent between walls, else of the box.
-        let extents = (0..D).map(|k| (self.domain.periodic[k], self.domain.max[k] - self.domain.min[k]));
+        let closed = |k: usize| !self.domain.periodic[k] && domain.boundaries[k] != Boundary::Open;
+        let extents = (0..D).map(|k| (!closed(k), self.domain.max[k] - self.domain.min[k]));
         let between_walls = extents.clone().filter(|e| !e.0).map(|e| e.1).fold(f64::INFINITY, f64::min);
         let smallest = extents.map(|e| e.1).fold(f64::INFINITY, f64::min);
         Setup {
@@ -385,24 +401,6 @@ impl<const D: usize> ParticlePlan<D> {
     }
 }
 
-fn motion<const D: usize>(domain: &ParticleDomain, wall: WallName) -> Motion<D> {
-    let found = domain.conditions.iter().find_map(|condition| match &condition.what {
-        What::MovingWall { wall: named, motion } if *named == wall => Some(motion),
-        _ => None,
-    });
-    match found {
-        None => Motion::Still,
-        Some(WallMotion::Belt(velocity)) => Motion::Belt { velocity: narrow(velocity) },
-        Some(WallMotion::Travel(velocity)) => Motion::Translating { velocity: narrow(velocity) },
-        Some(WallMotion::Oscillate { velocity, frequency }) => {
-            Motion::Oscillating { amplitude: narrow(velocity), frequency: std::f64::consts::TAU * frequency }
-        }
-        Some(WallMotion::Rotate { centre, rate, axis }) => {
-            Motion::Rotating { centre: narrow(centre), rate: (axis * *rate).into() }
-        }
-    }
-}
-
 /// Whether a group has a shape of its own and stays in it.
 fn stays(domain: &ParticleDomain, g: usize, group: &Group) -> bool {
     let solid = match group.material {
@@ -411,6 +409,7 @@ fn stays(domain: &ParticleDomain, g: usize, group: &Group) -> bool {
         Material::Wall { .. } => !domain.conditions.iter().any(|condition| {
             matches!(&condition.what, What::MovingWall { wall: WallName::Group(moved), motion }
                 if *moved == g && !matches!(motion, WallMotion::Belt(_)))
+                || matches!(&condition.what, What::FreeBody { group, .. } if *group == g)
         }),
     };
     solid && group.shape != Shape::EverythingElse

@@ -219,9 +219,8 @@ fn line<'p, const D: usize>(
         };
         Interpolator::new(&places, &carriers, &scene.plan.kernel())
     };
-    let hosts = |s: usize| -> Vec<bool> {
-        scene.plan.home.iter().map(|&g| plan.reactor.habitat[s].holds(g)).collect()
-    };
+    let hosts =
+        |s: usize| -> Vec<bool> { scene.home.iter().map(|&g| plan.reactor.habitat[s].holds(g)).collect() };
     let mut species: Vec<Interpolator<D>> = Vec::new();
     for (k, &s) in probe.species.iter().enumerate() {
         // Species that live in the same groups share their weights.
@@ -236,7 +235,7 @@ fn line<'p, const D: usize>(
     }
     let mut velocity = Vec::new();
     if probe.velocity && scene.flow.is_some() {
-        let fluid: Vec<bool> = scene.plan.home.iter().map(|&g| !scene.plan.is_wall(g)).collect();
+        let fluid: Vec<bool> = scene.home.iter().map(|&g| !scene.plan.is_wall(g)).collect();
         let weights = weights_of(&fluid).without(|k| in_wall(scene, &embed(&places[k])));
         for axis in 0..D {
             let name = format!("v{}", crate::model::names::axis_name(axis));
@@ -290,7 +289,7 @@ fn ring<const D: usize>(
         let apart = x - centre;
         let r = apart.norm();
         let member =
-            group.is_none_or(|g| usize::from(scene.plan.home[i]) == g || usize::from(scene.current[i]) == g);
+            group.is_none_or(|g| usize::from(scene.home[i]) == g || usize::from(scene.current[i]) == g);
         if !member || r < inner || r > outer || r == 0.0 {
             continue;
         }

@@ -18,7 +18,7 @@ pub(super) fn freeze<const D: usize>(
 ) -> Result<Frozen, RunError> {
     let held: &[bool] = if start.held.iter().any(|&held| held) { &start.held } else { &[] };
     let links = |habitat| Cow::Owned(scene.links(habitat));
-    let (volumes, home, current) = (&scene.volumes, &scene.plan.home, &scene.current);
+    let (volumes, home, current) = (&scene.volumes, &scene.home, &scene.current);
     let frozen = Frozen::build_per_habitat(&plan.reactor, links, volumes, home, current, held)?;
     Ok(frozen.with_surfaces(&plan.reactor, current, &weights(plan, scene)))
 }

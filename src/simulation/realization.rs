@@ -29,6 +29,32 @@ pub(super) struct Sponge {
     pub targets: Vec<f64>,
 }
 
+/// What a step of the flow took out of the box and brought in.
+#[derive(Default)]
+pub(super) struct Exchange {
+    left: Vec<u32>,
+    /// Species, the particles that carry it in, and mean molecules in each.
+    entered: Vec<(usize, Vec<u32>, Vec<f64>)>,
+}
+
+impl Exchange {
+    /// Works out the particles that crossed an open end since the scene was looked at before.
+    pub fn new<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Exchange {
+        let Some(openings) = &scene.plan.openings else { return Exchange::default() };
+        let places = scene.places();
+        let mut entered = Vec::new();
+        for (particles, carried) in scene.crossings.entered.iter().zip(&openings.carried) {
+            for (species, amount) in carried {
+                let holds = |i: &u32| plan.reactor.habitat[*species].holds(scene.home[*i as usize]);
+                let voxels: Vec<u32> = particles.iter().copied().filter(holds).collect();
+                let means = sponge_targets(&places, &voxels, amount);
+                entered.push((*species, voxels, means));
+            }
+        }
+        Exchange { left: scene.crossings.left.clone(), entered }
+    }
+}
+
 impl Reservoirs {
     /// Works out voxels and targets of a scene.
     pub fn new<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Reservoirs {
@@ -39,7 +65,7 @@ impl Reservoirs {
                 let voxels: Vec<u32> = scene
                     .members(sponge.group)
                     .into_iter()
-                    .filter(|&i| plan.reactor.habitat[*species].holds(scene.plan.home[i as usize]))
+                    .filter(|&i| plan.reactor.habitat[*species].holds(scene.home[i as usize]))
                     .collect();
                 let targets = sponge_targets(&places, &voxels, amount);
                 sponges.push(Sponge { species: *species, rate: sponge.rate, voxels, targets });
@@ -75,6 +101,14 @@ impl Realization {
         self.feed(around, half);
         self.state.react(&around.plan.reactor, around.frozen, time, half)?;
         self.state.diffuse(&around.plan.reactor, around.frozen, time, half)
+    }
+
+    /// Molecules leave and enter with the particles that cross an open end.
+    pub fn cross(&mut self, plan: &Plan, exchange: &Exchange) {
+        self.state.empty(&exchange.left);
+        for (species, voxels, means) in &exchange.entered {
+            self.state.enter(&plan.reactor, voxels, *species, means);
+        }
     }
 
     /// The half of a step after the particles moved, in the opposite order.

@@ -8,7 +8,7 @@ use crate::sampling::Lens;
 use crate::scene::Scene;
 use crate::simulation::clock::Interval;
 use crate::simulation::freeze::freeze;
-use crate::simulation::realization::{Realization, Reservoirs, Surroundings};
+use crate::simulation::realization::{Exchange, Realization, Reservoirs, Surroundings};
 use crate::simulation::{FlowTally, Watch};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -77,7 +77,11 @@ impl<const D: usize> Course<'_, '_, D> {
                 reservoirs = Reservoirs::new(plan, &self.scene);
                 let after =
                     Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: self.start };
-                advance(members, &mut way.error, |one| one.after_motion(&after, time + half, half));
+                let exchange = Exchange::new(plan, &self.scene);
+                advance(members, &mut way.error, |one| {
+                    one.cross(plan, &exchange);
+                    one.after_motion(&after, time + half, half)
+                });
                 way.chemistry_seconds += chemistry.elapsed().as_secs_f64();
                 if members.is_empty() {
                     break 'time;

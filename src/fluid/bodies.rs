@@ -1,0 +1,229 @@
+//! The free bodies of a flow: what they weigh, what the fluid does to them, and what they must not run into.
+
+use crate::error::RunError;
+use crate::fluid::flow::Flow;
+use crate::fluid::motion::Motion;
+use crate::fluid::pass::Pair;
+use crate::fluid::rigid::{Rigid, embed};
+use crate::fluid::setup::{Body, BodyKind, Slip};
+use crate::vector::Vector;
+
+/// How many times a wall shows its velocity to the fluid: once at the surface, and up to twice more continued behind it.
+const SHOWN: f64 = 3.0;
+
+/// How a free body moves now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyState<const D: usize> {
+    pub body: u8,
+    /// Centre of mass, m; not wrapped round periodic axes.
+    pub centre: Vector<D>,
+    /// m/s.
+    pub velocity: Vector<D>,
+    /// rad/s.
+    pub rate: [f64; 3],
+    /// Momentum per unit thickness, kg m/s times m^(D-3).
+    pub momentum: Vector<D>,
+    /// Angular momentum about the centre, per unit thickness.
+    pub spin: [f64; 3],
+    /// Force of the fluid per unit thickness and the body's weight, N times m^(D-3).
+    pub force: Vector<D>,
+}
+
+impl<const D: usize> Flow<D> {
+    /// The free bodies, in the order of the setup.
+    pub fn free_bodies(&self) -> impl Iterator<Item = BodyState<D>> + '_ {
+        self.bodies.iter().zip(0_u8..).filter_map(|(body, number)| {
+            let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &body.kind else { return None };
+            Some(BodyState {
+                body: number,
+                centre: rigid.centre,
+                velocity: rigid.velocity,
+                rate: rigid.rate.into(),
+                momentum: rigid.velocity * rigid.mass,
+                spin: rigid.spin.into(),
+                force: rigid.force,
+            })
+        })
+    }
+
+    fn each_free(&mut self, mut act: impl FnMut(&mut Rigid<D>)) {
+        for body in &mut self.bodies {
+            if let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &mut body.kind {
+                act(rigid);
+            }
+        }
+    }
+
+    /// Mass and inertia of the free bodies from their particles.
+    pub(super) fn weigh_bodies(&mut self) {
+        for number in 0..self.bodies.len() {
+            let own: Vec<(Vector<D>, f64)> = self
+                .sides
+                .iter()
+                .zip(&self.own)
+                .filter(|(side, _)| usize::from(side.body) == number)
+                .map(|(side, own)| (own.start, side.volume))
+                .collect();
+            if let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &mut self.bodies[number].kind {
+                rigid.weigh(&own, &self.domain);
+                self.asks[number] = true;
+            }
+        }
+    }
+
+    /// Free bodies rest where they are.
+    pub(super) fn hold_bodies(&mut self) {
+        self.each_free(Rigid::hold);
+    }
+
+    /// Free bodies begin to move.
+    pub(super) fn release_bodies(&mut self) {
+        self.each_free(Rigid::release);
+    }
+
+    /// The first half kick and the drift of the free bodies.
+    pub(super) fn kick_and_drift_bodies(&mut self, dt: f64) {
+        self.each_free(|rigid| {
+            rigid.kick(dt);
+            rigid.drift(dt);
+        });
+    }
+
+    /// Force and torque on the free bodies from the reactions just summed.
+    pub(super) fn load_bodies(&mut self, dt: f64) {
+        if !self.bodies.iter().any(|body| body.is_free()) {
+            return;
+        }
+        let gravity = self.setup.gravity;
+        let mut loads = vec![(Vector::<D>::zeros(), nalgebra::Vector3::zeros()); self.bodies.len()];
+        for &i in &self.solids {
+            let (side, rates) = (&self.sides[i as usize], &self.rates[i as usize]);
+            let number = usize::from(side.body);
+            let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind else {
+                continue;
+            };
+            let force = rates.force * side.volume;
+            loads[number].0 += force;
+            loads[number].1 += embed(&rigid.arm(&self.positions[i as usize])).cross(&embed(&force));
+        }
+        // Told at once the pressure would answer to the acceleration it makes itself, and a light body would shake.
+        // Noise must not be answered at all.
+        let (quiet, h) = (self.terms.noise.is_none(), self.kernel.cutoff());
+        let (sound, a, viscosity) = (self.sound_speed, self.terms.viscosity.a::<D>(), self.setup.viscosity);
+        for ((body, (force, torque)), number) in self.bodies.iter_mut().zip(loads).zip(0_u8..) {
+            if let BodyKind::Solid { motion: Motion::Free(rigid), slip, .. } = &mut body.kind {
+                rigid.force = force + (gravity + rigid.free.acceleration) * rigid.mass;
+                rigid.torque = torque;
+                if *slip == Slip::NoSlip && D > 1 {
+                    let rub = viscosity * rigid.mass / rigid.free.density;
+                    rigid.torque -= rigid.rate * (a * rub);
+                    if let Some(noise) = &self.terms.noise {
+                        let kick = noise.torque(number, rub);
+                        rigid.torque +=
+                            nalgebra::Vector3::from_fn(|k, _| if D == 3 || k == 2 { kick[k] } else { 0.0 });
+                    }
+                }
+                if quiet && !rigid.held && rigid.mass > 0.0 {
+                    let time = h / sound * (self.setup.rest_density / rigid.free.density).max(1.0);
+                    let share = -(-dt / time).exp_m1();
+                    rigid.pull += (rigid.force / rigid.mass - rigid.pull) * share;
+                }
+            }
+        }
+    }
+
+    /// The fastest rate at which friction takes velocity or spin from a free body, 1/s; with the fluid at rest, to which
+    /// the body shows its velocity [`SHOWN`] times. Zero without one.
+    pub(super) fn friction_rate_of_bodies(&self) -> f64 {
+        if !self.bodies.iter().any(Body::is_free) {
+            return 0.0;
+        }
+        let (a, makeup) = (self.terms.viscosity.a::<D>(), self.terms.makeup());
+        let mut sums = vec![(0.0, 0.0); self.bodies.len()];
+        for block in &self.blocks {
+            for (row, near) in block.near_solid.iter().enumerate() {
+                let side = &self.sides[block.first + row];
+                if !near || side.is_solid() {
+                    continue;
+                }
+                for c in block.row(row) {
+                    let solid = &self.sides[c.j as usize];
+                    let number = usize::from(solid.body);
+                    let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind
+                    else {
+                        continue;
+                    };
+                    let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
+                    let rub = SHOWN
+                        * a
+                        * self.terms.rub::<true>(makeup, &pair, side, solid)
+                        * side.volume
+                        * solid.volume;
+                    sums[number].0 += rub;
+                    sums[number].1 += rub * rigid.arm(&self.positions[c.j as usize]).norm_squared();
+                }
+            }
+        }
+        let rate = |(body, (push, turn)): (&Body<D>, (f64, f64))| match &body.kind {
+            BodyKind::Solid { motion: Motion::Free(rigid), .. } if rigid.mass > 0.0 => {
+                let own = a * self.setup.viscosity * rigid.mass / rigid.free.density;
+                (push / rigid.mass).max((turn + own) * rigid.inverse.norm())
+            }
+            _ => 0.0,
+        };
+        self.bodies.iter().zip(sums).map(rate).fold(0.0, f64::max)
+    }
+
+    /// The second half kick of the free bodies.
+    pub(super) fn kick_bodies(&mut self, dt: f64) {
+        self.each_free(|rigid| rigid.kick(dt));
+    }
+
+    /// A free body must not run into a wall of the box or another solid: nothing would keep it out.
+    pub(super) fn check_bodies(&self) -> Result<(), RunError> {
+        for &i in &self.solids {
+            let (side, here) = (&self.sides[i as usize], &self.positions[i as usize]);
+            let body = &self.bodies[usize::from(side.body)];
+            if !body.is_free() {
+                continue;
+            }
+            let beyond = (0..D).find(|&k| {
+                !self.domain.periodic[k] && (here[k] < self.domain.min[k] || here[k] > self.domain.max[k])
+            });
+            if let Some(k) = beyond {
+                let what = format!(
+                    "{} (m) of the body `{}`, at the end of the box,",
+                    ["x", "y", "z"][k.min(2)],
+                    body.name
+                );
+                return Err(self.collision(i, what, here[k]));
+            }
+            for (other, number) in self.bodies.iter().zip(0_u8..) {
+                let BodyKind::Solid { motion, surface: Some(surface), .. } = &other.kind else { continue };
+                if number == side.body {
+                    continue;
+                }
+                let place = self.domain.wrap(&motion.origin(&self.domain.wrap(here), self.time));
+                let distance = surface(&place);
+                if distance < 0.0 {
+                    let what = format!("distance (m) of the body `{}` from `{}`", body.name, other.name);
+                    return Err(self.collision(i, what, distance));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn collision(&self, i: u32, quantity: String, value: f64) -> RunError {
+        RunError::BlowUp {
+            step: self.steps,
+            time: self.time,
+            particle: self.own[i as usize].id as usize,
+            quantity,
+            value,
+            remedy:
+                "bodies that touch have no law of contact here: end the run before, or begin further away"
+                    .to_owned(),
+        }
+    }
+}
