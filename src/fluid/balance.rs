@@ -6,6 +6,7 @@
 //! out (Neumann conditions); a periodic box or a closed one, the same.
 
 use crate::fluid::flow::Flow;
+use crate::fluid::particles::Material;
 use crate::vector::Vector;
 use nalgebra::SMatrix;
 
@@ -69,6 +70,9 @@ impl<const D: usize> Flow<D> {
         let mut spread = vec![SMatrix::<f64, D, D>::zeros(); self.sides.len()];
         self.each_way(|i, j, x, f| {
             let (side, other) = (&self.sides[i], &self.sides[j]);
+            if other.material == Material::FreeSlip {
+                return; // it shows a mirrored velocity as if the fluid stuck to it
+            }
             spread[i] += (side.velocity - other.velocity) * (x * (f * other.volume)).transpose();
         });
         let mut source = vec![0.0; self.sides.len()];

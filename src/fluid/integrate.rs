@@ -258,8 +258,10 @@ impl<const D: usize> Flow<D> {
                         (side.moment, side.uneven) = Moment.correction(&rates.moment);
                     }
                     let change = (side.density / own.rest_density - 1.0).abs();
+                    // Without a place there are no neighbours, and so no change of density that could tell.
+                    let lost = !place.iter().chain(side.velocity.iter()).all(|x| x.is_finite());
                     // Written so that "not a number" is a fault too.
-                    if change <= DENSITY_LIMIT {
+                    if change <= DENSITY_LIMIT && !lost {
                         worst = worst.max(change);
                     } else {
                         fault.get_or_insert((chunk * size + row, None));
@@ -278,6 +280,9 @@ impl<const D: usize> Flow<D> {
         self.tally.largest_density_change = self.tally.largest_density_change.max(worst);
         match fault {
             None => Ok(()),
+            Some((i, None)) if !self.sides[i].velocity.iter().all(|v| v.is_finite()) => {
+                Err(self.blow_up(i, "velocity (m/s)", self.sides[i].velocity.norm()))
+            }
             Some((i, None)) => Err(self.blow_up(i, "density (kg/m^3)", self.sides[i].density)),
             Some((i, Some(k))) => {
                 let name = format!("{} (m), outside the box,", ["x", "y", "z"][k.min(2)]);
@@ -300,12 +305,17 @@ impl<const D: usize> Flow<D> {
         if mass > 0.0 { sum / mass } else { 0.0 }
     }
 
+    /// Whether solids continue the velocity of the fluid by a parabola.
+    fn continues_by_parabola(&self) -> bool {
+        self.terms.moment.is_some() && self.terms.noise.is_none()
+    }
+
     /// What solids show to the fluid from here to the end of the step.
     pub(super) fn mirrors(&mut self) {
         let (bodies, sides, positions, time) = (&self.bodies, &self.sides, &self.positions, self.time);
         let (own, gravity) = (&self.own, self.setup.gravity);
         // Noise between fluid and solids is that of the mean.
-        let parabola = self.terms.moment.is_some() && self.terms.noise.is_none();
+        let parabola = self.continues_by_parabola();
         if self.solids.is_empty() {
             return;
         }
@@ -376,7 +386,7 @@ impl<const D: usize> Flow<D> {
                 (bounces, inside, furthest)
             })
             .reduce(|| (0, 0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2.max(b.2)));
-        if !self.solids.is_empty() && self.terms.noise.is_none() {
+        if !self.solids.is_empty() && self.continues_by_parabola() {
             let own = self.own.par_chunks_mut(Block::<D>::SIZE);
             self.blocks.par_iter().zip(own).for_each(|(block, own)| Self::bend(block, own, terms, sides));
         }

@@ -200,7 +200,7 @@ impl<const D: usize> Flow<D> {
         parked.reverse();
         for (front, end) in entering {
             let Some(i) = parked.pop() else {
-                let mut error = self.blow_up(front, "particles in the box", self.sides.len() as f64);
+                let mut error = self.blow_up(front, "particles kept in reserve for the open ends", 0.0);
                 if let RunError::BlowUp { remedy, .. } = &mut error {
                     *remedy = "more fluid enters than leaves; make the velocities of the ends agree, or give one end a pressure".to_owned();
                 }
@@ -217,7 +217,7 @@ impl<const D: usize> Flow<D> {
             (side.density, side.volume, side.pressure) = (density, mass / density, 0.0);
             (side.viscosity, own.mass, own.rest_density) = (viscosity, mass, density);
             (own.start, own.acceleration, own.lift) = (place, Vector::zeros(), Vector::zeros());
-            own.fraction = 0.0;
+            (own.bend, own.fraction, side.uneven) = (Vector::zeros(), 0.0, false);
             self.positions[i] = place;
             openings.zones[own.id as usize] = Zone::Buffer(end);
         }

@@ -22,7 +22,7 @@ pub struct Setup<const D: usize> {
     /// Distance of fluid particles on their lattice, m.
     pub spacing: f64,
     pub particles: Vec<Placed<D>>,
-    /// At most 256; [`Placed::body`] points here.
+    /// At most 255; [`Placed::body`] points here.
     pub bodies: Vec<Body<D>>,
     /// U: the largest speed to be expected, m/s.
     pub reference_speed: f64,
@@ -269,6 +269,10 @@ impl<const D: usize> Setup<D> {
                     format!("a periodic box must be at least {least:.3e} m long: two cut-offs with skin");
                 return Err(refuse(0, "length of the box (m)", lengths[k], &remedy));
             }
+        }
+        if self.bodies.len() > 255 {
+            let remedy = "at most 255 bodies can be told apart";
+            return Err(refuse(0, "number of bodies", self.bodies.len() as f64, remedy));
         }
         for body in &self.bodies {
             if let BodyKind::Fluid { density, viscosity } = body.kind

@@ -275,6 +275,21 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, network: &Network, faults: 
             return None;
         }
     };
+    if let WallName::Side { axis, .. } = wall {
+        let leaves = match &motion {
+            WallMotion::Travel(velocity) | WallMotion::Oscillate { velocity, .. } => velocity[axis] != 0.0,
+            WallMotion::Rotate { .. } => true,
+            _ => false,
+        };
+        if leaves {
+            faults.at(
+                &node.place,
+                "a side of the box can only move along itself",
+                "the box stays where it is; make the wall a group with a shape of its own",
+            );
+            return None;
+        }
+    }
     Some(What::MovingWall { wall, motion })
 }
 

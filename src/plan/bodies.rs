@@ -88,7 +88,7 @@ pub(super) fn check<const D: usize>(
         }
         if let What::MovingWall { motion: WallMotion::Deform(field), .. } = &condition.what {
             let astray =
-                own().map(|(placed, _)| embed(&placed.position)).find(|x| field.at(x, 0.0).norm() > 0.0);
+                own().map(|(placed, _)| embed(&placed.position)).find(|x| field.at(x, 0.0).norm() != 0.0);
             if let Some(x) = astray {
                 let u = field.at(&x, 0.0);
                 faults.push(Fault::at(

@@ -417,17 +417,25 @@ fn stays(domain: &ParticleDomain, g: usize, group: &Group) -> bool {
 
 fn wall_body<const D: usize>(domain: &ParticleDomain, g: usize, group: &Group, free_slip: bool) -> Body<D> {
     let shape = group.shape.clone();
-    // What no other group claims has no surface of its own that could be tested.
-    let surface: Option<crate::fluid::setup::Surface<D>> = match group.shape {
-        Shape::EverythingElse => None,
-        _ => Some(Arc::new(move |x: &Vector<D>| shape.signed_distance(&embed(x)))),
+    let surface: crate::fluid::setup::Surface<D> = match group.shape {
+        // What no other group claims begins where they end.
+        Shape::EverythingElse => {
+            let others =
+                domain.groups.iter().filter(|o| o.material != Material::Zone && o.name != group.name);
+            let shapes: Vec<Shape> = others.map(|other| other.shape.clone()).collect();
+            Arc::new(move |x: &Vector<D>| {
+                let place = embed(x);
+                -shapes.iter().map(|shape| shape.signed_distance(&place)).fold(f64::INFINITY, f64::min)
+            })
+        }
+        _ => Arc::new(move |x: &Vector<D>| shape.signed_distance(&embed(x))),
     };
     Body {
         name: group.name.clone(),
         kind: BodyKind::Solid {
             slip: if free_slip { Slip::FreeSlip } else { Slip::NoSlip },
             motion: motion(domain, WallName::Group(g)),
-            surface,
+            surface: Some(surface),
         },
     }
 }
