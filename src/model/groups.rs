@@ -56,7 +56,7 @@ pub(super) fn read(
 ) -> Option<Vec<Group>> {
     let Some(node) = sections.groups else {
         // The whole box is one group of fluid.
-        return Some(vec![Group {
+        let medium = Group {
             name: "medium".into(),
             material: Material::Fluid,
             shape: Shape::EverythingElse,
@@ -65,7 +65,9 @@ pub(super) fn read(
             jitter: 0.0,
             holds: None,
             place: sections.domain.place.clone(),
-        }]);
+        };
+        check_fit(&medium, d, corners, faults);
+        return Some(vec![medium]);
     };
     let fields = Fields::of(node, "groups", faults)?;
     let mut found: Vec<Group> = Vec::new();
