@@ -7,18 +7,18 @@ use crate::plan::chemistry::receptor_pairs;
 use crate::plan::{Arena, Plan};
 use crate::record::{
     ConservationRecord, DomainRecord, GroupRecord, Health, HistogramRecord, Performance, ProbeRecord,
-    ReactionRecord, RunRecord, SpeciesRecord, StepsRecord,
+    ReactionRecord, RunRecord, SpeciesRecord,
 };
 use crate::results::Results;
 use crate::sampling::{self, probe::occupancy_name};
-use crate::simulation::{Outcome, Tally};
+use crate::simulation::{Outcome, Ready, Tally};
 use crate::tables::{Columns, SeriesBlock};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// The record of a block before it runs.
 #[must_use]
-pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usize) -> RunRecord {
+pub fn record(plan: &Plan, block: &Range<u32>, ready: &Ready, threads: usize) -> RunRecord {
     let model = &plan.model;
     let names = model.domain.group_names();
     RunRecord {
@@ -66,7 +66,8 @@ pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usiz
                 times: h.times.clone(),
             })
             .collect(),
-        steps,
+        fluid: ready.fluid(),
+        steps: ready.steps(),
         hybrid: Vec::new(),
         health: Health::default(),
         performance: Performance { threads, ..Performance::default() },
@@ -134,6 +135,7 @@ pub fn conclude(
         bounces: flow.map(|f| f.bounces),
         largest_mach: flow.map(|f| f.largest_mach),
         largest_density_change: flow.map(|f| f.largest_density_change),
+        temperature: flow.and_then(|f| f.temperature),
         warnings: joined(
             earlier.warnings,
             plan.warnings.iter().map(|warning| warning.line()).chain(tally.warnings()).collect(),

@@ -8,6 +8,7 @@ use crate::fluid::{BodyKind, Flow, Setup, Snapshot, Voxels, exchange};
 use crate::geometry::shape::embed;
 use crate::model::conditions::WallName;
 use crate::plan::ParticlePlan;
+use crate::plan::particles::BOLTZMANN;
 use crate::plan::start::Voxels as Places;
 use crate::vector::Vector;
 
@@ -157,15 +158,29 @@ impl<'p, const D: usize> Scene<'p, D> {
         self.presence = now;
     }
 
-    /// Moves the flow by `steps` steps of `dt` seconds and looks again.
-    pub fn advance(&mut self, dt: f64, steps: u64) -> Result<(), RunError> {
+    /// Moves the flow by `steps` steps of `dt` seconds, or until `stop` says so, and looks again; whether it took all
+    /// steps.
+    pub fn advance(
+        &mut self,
+        dt: f64,
+        steps: u64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<bool, RunError> {
         self.book_momentum(0.0);
+        let mut taken = steps;
         if let Some(flow) = &mut self.flow {
-            flow.advance(dt, steps)?;
+            taken = flow.advance_until(dt, steps, stop)?;
             self.look();
         }
-        self.book_momentum(dt * steps as f64);
-        Ok(())
+        self.book_momentum(dt * taken as f64);
+        Ok(taken == steps)
+    }
+
+    /// Temperature by the velocities of now, K; none without thermal noise.
+    #[must_use]
+    pub fn temperature(&self) -> Option<f64> {
+        self.plan.flow.as_ref()?.noise?;
+        Some(self.flow.as_ref()?.thermal_energy()? * self.plan.thickness / BOLTZMANN)
     }
 
     /// Lets the amounts of a realization (molecules, voxel by voxel of `species`) lift the fluid from here on:

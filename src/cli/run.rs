@@ -65,7 +65,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
         NotReady::Model(error) => Stop::Model(error),
         NotReady::Run(error) => Stop::Run(error),
     })?;
-    let record = ensemble::record(&plan, &block, ready.steps(), threads);
+    let record = ensemble::record(&plan, &block, &ready, threads);
     let mut results = ensemble::empty(&plan, record);
     // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
     let watch = Watch::on_terminal(options.quiet);

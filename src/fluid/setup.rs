@@ -212,7 +212,7 @@ impl<const D: usize> Setup<D> {
     }
 
     /// The lightest rest density and the largest viscosity among the fluids.
-    fn lightest_and_stickiest(&self) -> (f64, f64) {
+    pub(super) fn lightest_and_stickiest(&self) -> (f64, f64) {
         self.bodies.iter().fold((f64::INFINITY, 0.0), |(rho, mu), body| match body.kind {
             BodyKind::Fluid { density, viscosity } => (density.min(rho), viscosity.max(mu)),
             BodyKind::Solid { .. } => (rho, mu),
@@ -279,15 +279,12 @@ impl<const D: usize> Setup<D> {
             return Err(refuse(0, "number of bodies", self.bodies.len() as f64, remedy));
         }
         for body in &self.bodies {
-            if let BodyKind::Fluid { density, viscosity } = body.kind
-                && !(positive(density) && viscosity.is_finite() && viscosity >= 0.0)
-            {
-                return Err(refuse(
-                    0,
-                    "density (kg/m^3) of a fluid",
-                    density,
-                    "density and viscosity must be positive",
-                ));
+            let BodyKind::Fluid { density, viscosity } = body.kind else { continue };
+            if !positive(density) {
+                return Err(refuse(0, "density (kg/m^3) of a fluid", density, "it must be a positive number"));
+            }
+            if !(viscosity.is_finite() && viscosity >= 0.0) {
+                return Err(refuse(0, "viscosity (Pa s) of a fluid", viscosity, "it must be a number from zero"));
             }
         }
         for (i, placed) in self.particles.iter().enumerate() {

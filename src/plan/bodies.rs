@@ -3,7 +3,7 @@
 use super::ParticlePlan;
 use super::particles::narrow;
 use crate::error::Fault;
-use crate::fluid::{Deformation, Free, Motion};
+use crate::fluid::{Deformation, Domain, Free, Motion};
 use crate::geometry::shape::embed;
 use crate::model::conditions::{Condition, WallMotion, WallName, What};
 use crate::model::names::axis_name;
@@ -37,7 +37,9 @@ fn prescribed<const D: usize>(domain: &ParticleDomain, motion: &WallMotion) -> M
             Motion::Oscillating { amplitude: narrow(velocity), frequency: std::f64::consts::TAU * frequency }
         }
         WallMotion::Rotate { centre, rate, axis } => {
-            Motion::Rotating { centre: narrow(centre), rate: (axis * *rate).into() }
+            let periodic = std::array::from_fn(|k| domain.boundaries[k] == Boundary::Periodic);
+            let ends = Domain { min: narrow(&domain.min), max: narrow(&domain.max), periodic };
+            Motion::Rotating { centre: narrow(centre), rate: (axis * *rate).into(), domain: Some(ends) }
         }
         WallMotion::Deform(field) => {
             let field = field.clone();

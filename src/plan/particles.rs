@@ -10,7 +10,7 @@ use crate::geometry::{Fill, Shape, fill};
 use crate::model::conditions::{WallMotion, WallName, What};
 use crate::model::fluid::Velocity;
 use crate::model::groups::Group;
-use crate::model::names::axis_name;
+use crate::model::names::{axis_name, side_name};
 use crate::model::{Amount, Boundary, Deal, FluidModel, Material, Model, ParticleDomain};
 use crate::random::{Purpose, stream};
 use crate::vector::Vector;
@@ -72,7 +72,7 @@ pub struct HeldPlan {
 }
 
 /// k, J/K (exact, SI).
-const BOLTZMANN: f64 = 1.380_649e-23;
+pub const BOLTZMANN: f64 = 1.380_649e-23;
 
 pub(super) fn narrow<const D: usize>(x: &Vector<3>) -> Vector<D> {
     Vector::from_fn(|k, _| x[k])
@@ -273,7 +273,7 @@ impl<const D: usize> ParticlePlan<D> {
                     _ => Slip::NoSlip,
                 };
                 bodies.push(Body {
-                    name: format!("{}_{}", axis_name(axis), if upper { "max" } else { "min" }),
+                    name: side_name(axis, upper),
                     kind: BodyKind::Solid {
                         slip,
                         motion: motion(domain, WallName::Side { axis, upper }),
@@ -338,11 +338,6 @@ impl<const D: usize> ParticlePlan<D> {
                 _ => {}
             }
         }
-        // The width across which the flow is sheared: the narrowest extent between walls, else of the box.
-        let closed = |k: usize| !self.domain.periodic[k] && domain.boundaries[k] != Boundary::Open;
-        let extents = (0..D).map(|k| (!closed(k), self.domain.max[k] - self.domain.min[k]));
-        let between_walls = extents.clone().filter(|e| !e.0).map(|e| e.1).fold(f64::INFINITY, f64::min);
-        let smallest = extents.map(|e| e.1).fold(f64::INFINITY, f64::min);
         Setup {
             domain: self.domain.clone(),
             kernel: self.kernel,
@@ -351,11 +346,7 @@ impl<const D: usize> ParticlePlan<D> {
             particles: self.particles.clone(),
             bodies,
             reference_speed: fluid.speed,
-            reference_length: fluid.length.unwrap_or(if between_walls.is_finite() {
-                between_walls
-            } else {
-                smallest
-            }),
+            reference_length: super::flow::reference_length(domain, fluid).0,
             sound_speed: fluid.sound_speed,
             pressure_scale: fluid.pressure_scale,
             body_force,

@@ -2,6 +2,7 @@
 
 mod course;
 mod flows;
+mod numbers;
 mod steps;
 
 use super::clock::{Interval, intervals};
@@ -198,14 +199,20 @@ fn count(plan: &Plan, home: &[u8], members: &[Realization], tally: &mut Tally) {
     tally.withheld = members.iter().map(|one| one.state.withheld).sum();
 }
 
-/// The particles of a realization when the flow has settled.
-fn settled<const D: usize>(arena: &ParticlePlan<D>, realization: u32) -> Result<Scene<'_, D>, RunError> {
+/// The particles of a realization when the flow has settled; none if the user wants to stop before.
+fn settled<'p, const D: usize>(
+    arena: &'p ParticlePlan<D>,
+    realization: u32,
+    watch: &Watch,
+) -> Result<Option<Scene<'p, D>>, RunError> {
     let mut scene = Scene::new(arena, realization)?;
-    if let Some(flow) = &mut scene.flow {
-        flow.settle(arena.settle)?;
+    if let Some(flow) = &mut scene.flow
+        && !flow.settle_until(arena.settle, &|| watch.stopped())?
+    {
+        return Ok(None);
     }
     scene.look();
-    Ok(scene)
+    Ok(Some(scene))
 }
 
 /// The method, if it is event driven; the plan has seen to it that the particles then rest.

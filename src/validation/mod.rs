@@ -207,7 +207,7 @@ fn with_plan<T>(
 fn run(shipped: &Shipped, overrides: &[String]) -> Result<Results, RunError> {
     with_plan(shipped, overrides, |plan, ready, folder| {
         let block = 0..plan.model.run.realizations;
-        let mut results = ensemble::empty(plan, ensemble::record(plan, &block, ready.steps(), 0));
+        let mut results = ensemble::empty(plan, ensemble::record(plan, &block, &ready, 0));
         let numbers: Vec<u32> = block.collect();
         let mut outcome = ready.run(&numbers, &Watch::silent());
         ensemble::keep(&mut results, folder, &mut outcome, false)?;

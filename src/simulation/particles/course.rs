@@ -4,6 +4,7 @@ use crate::chemistry::split::Frozen;
 use crate::error::RunError;
 use crate::plan::Plan;
 use crate::plan::start::Start;
+use crate::record::TemperatureRecord;
 use crate::sampling::Lens;
 use crate::scene::Scene;
 use crate::simulation::clock::Interval;
@@ -45,7 +46,7 @@ impl<const D: usize> Course<'_, '_, D> {
     pub fn follow(mut self, members: &mut Vec<Realization>, watch: &Watch) -> Travelled {
         let (plan, species) = (self.plan, self.plan.reactor.species.len());
         let mut reservoirs = Reservoirs::new(plan, &self.scene);
-        let mut way = Travelled::default();
+        let (mut way, mut warmth) = (Travelled::default(), TemperatureRecord::default());
         'time: for interval in self.clock {
             let tick = interval.tick();
             for k in 0..interval.ticks {
@@ -63,11 +64,17 @@ impl<const D: usize> Course<'_, '_, D> {
                 }
                 let fluid = Instant::now();
                 way.chemistry_seconds += (fluid - chemistry).as_secs_f64();
-                let moved = self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps);
+                let fluid_step = tick / interval.fluid_steps as f64;
+                let moved = self.scene.advance(fluid_step, interval.fluid_steps, &|| watch.stopped());
                 let chemistry = Instant::now();
                 way.fluid_seconds += (chemistry - fluid).as_secs_f64();
-                match moved.and_then(|()| freeze(plan, &self.scene, self.start)) {
-                    Ok(frozen) => self.frozen = frozen,
+                match moved.and_then(|whole| Ok((whole, freeze(plan, &self.scene, self.start)?))) {
+                    Ok((true, frozen)) => self.frozen = frozen,
+                    Ok((false, _)) => {
+                        // What is half done since the last output time is not kept.
+                        way.interrupted = true;
+                        break 'time;
+                    }
                     Err(found) => {
                         // The flow carries them all.
                         way.error = way.error.or(Some(found));
@@ -93,8 +100,15 @@ impl<const D: usize> Course<'_, '_, D> {
                 lens.look(&one.state.amounts, interval.end, self.shared, &mut one.observed);
             });
             way.times += 1;
+            // A flow may start cold: what it has come to is what counts.
+            if 2.0 * interval.end >= plan.model.run.until
+                && let Some(temperature) = self.scene.temperature()
+            {
+                warmth.look(temperature);
+            }
         }
         self.book(&mut way);
+        way.flow.temperature = Some(warmth).filter(|warmth| warmth.looks > 0);
         way
     }
 
@@ -111,6 +125,7 @@ impl<const D: usize> Course<'_, '_, D> {
             largest_mach: health.largest_mach,
             largest_density_change: health.largest_density_change,
             warnings: health.warnings,
+            temperature: None,
         };
     }
 }

@@ -86,7 +86,9 @@ impl<'p, const D: usize> Ready<'p, D> {
         watch: &Watch,
     ) -> Result<Travelled, RunError> {
         let begun = Instant::now();
-        let scene = settled(self.scene.plan, number)?;
+        let Some(scene) = settled(self.scene.plan, number, watch)? else {
+            return Ok(Travelled { interrupted: true, ..Travelled::default() });
+        };
         let start = start(self.plan, &scene.places());
         let frozen = freeze(self.plan, &scene, &start)?;
         members.push(Realization::new(self.plan, &start, number));
