@@ -5,7 +5,7 @@ use crate::fluid::flow::Flow;
 
 /// Relative change of density that the sound speed is chosen for.
 const CHANGE: f64 = 0.01;
-/// A sound speed is raised at least and at most so many times: what is fastest when a flow blows up is the blow-up.
+/// For a change of density a sound speed is raised at least and at most so many times: what is seen is the blow-up.
 const RAISED: (f64, f64) = (2.0, 10.0);
 
 impl<const D: usize> Flow<D> {
@@ -32,9 +32,8 @@ impl<const D: usize> Flow<D> {
     /// A sound speed that would do for what befell particle `i`, m/s: density changes fall with its square.
     fn stiffer(&self, i: usize) -> f64 {
         let change = (self.sides[i].density / self.own[i].rest_density - 1.0).abs();
-        let by_density = if change.is_finite() { (change / CHANGE).sqrt() } else { RAISED.0 };
-        let by_speed = 10.0 * self.setup.reference_speed / self.sound_speed;
-        self.sound_speed * by_density.max(by_speed).clamp(RAISED.0, RAISED.1)
+        let raised = if change.is_finite() { (change / CHANGE).sqrt() } else { RAISED.0 };
+        (self.sound_speed * raised.clamp(RAISED.0, RAISED.1)).max(10.0 * self.setup.reference_speed)
     }
 
     /// The Courant number of a step of `dt` (s).

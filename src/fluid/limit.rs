@@ -171,18 +171,9 @@ mod tests {
                     kind: BodyKind::Solid { slip: Slip::NoSlip, motion: Motion::Still, surface: None },
                 },
             ],
-            reference_speed: 1.0,
-            reference_length: 1.0,
             sound_speed: Some(1.0),
-            pressure_scale: None,
-            body_force: Vector::<2>::zeros(),
-            sponges: Vec::new(),
-            initial_velocity: Vector::<2>::zeros(),
-            method: Default::default(),
-            friction: Default::default(),
-            state: Default::default(),
-            noise: None,
             options: Options { delta: 0.0, shift: Some(0.0), ..Options::default() },
+            ..Setup::default()
         };
         Flow::new(setup).expect("a sound setup")
     }

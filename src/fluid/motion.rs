@@ -165,8 +165,16 @@ mod tests {
     fn position_velocity_and_acceleration_agree() {
         consistent(&Motion::Translating { velocity: Vector::<2>::new(1.0, -2.0) });
         consistent(&Motion::Oscillating { amplitude: Vector::<2>::new(1.0, -2.0), frequency: 3.0 });
-        consistent(&Motion::Rotating { centre: Vector::<2>::new(0.1, 0.2), rate: [9.0, 9.0, 1.5], domain: None });
-        consistent(&Motion::Rotating { centre: Vector::<3>::new(0.1, 0.2, 0.3), rate: [0.4, -1.0, 1.5], domain: None });
+        consistent(&Motion::Rotating {
+            centre: Vector::<2>::new(0.1, 0.2),
+            rate: [9.0, 9.0, 1.5],
+            domain: None,
+        });
+        consistent(&Motion::Rotating {
+            centre: Vector::<3>::new(0.1, 0.2, 0.3),
+            rate: [0.4, -1.0, 1.5],
+            domain: None,
+        });
     }
     /// A blade whose tip has crossed a periodic end moves as it would without one.
     #[test]

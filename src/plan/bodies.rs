@@ -8,6 +8,7 @@ use crate::geometry::shape::embed;
 use crate::model::conditions::{Condition, WallMotion, WallName, What};
 use crate::model::names::axis_name;
 use crate::model::{Boundary, ParticleDomain};
+use crate::quantity::readable::show_vector;
 use crate::vector::Vector;
 use std::sync::Arc;
 
@@ -96,12 +97,10 @@ pub(super) fn check<const D: usize>(
                 faults.push(Fault::at(
                     &condition.place,
                     format!(
-                        "the displacement of `{}` is {:.3e} m at t = 0 at ({:.4}, {:.4}, {:.4}) um, or no number",
+                        "the displacement of `{}` is {:.3e} m at t = 0 at {}, or no number",
                         domain.groups[g].name,
                         u.norm(),
-                        x[0] * 1e6,
-                        x[1] * 1e6,
-                        x[2] * 1e6
+                        show_vector(x.as_slice(), "m")
                     ),
                     "it is relative to the shape of the group: let it begin at zero, e.g. times (1 - exp(-t / (1 ms)))",
                 ));

@@ -3,11 +3,12 @@
 use super::ParticlePlan;
 use crate::error::{Fault, Place};
 use crate::fluid::{Body, BodyKind, End, Motion};
+use crate::geometry::Shape;
 use crate::geometry::shape::embed;
-use crate::model::conditions::{Condition, WallName, What};
+use crate::model::conditions::{Condition, WallMotion, WallName, What};
 use crate::model::names::{axis_name, side_name};
 use crate::model::{Boundary, FluidModel, Model, ParticleDomain};
-use crate::quantity::readable::show;
+use crate::quantity::readable::{show, show_vector};
 use crate::vector::Vector;
 
 /// Largest Mach number that a flow can be called incompressible with: the density changes by 4 %.
@@ -15,6 +16,8 @@ const MACH: f64 = 0.2;
 /// Instants of a run, and particles of a body, at which speeds are looked up.
 const LOOKS: u32 = 64;
 const PARTICLES: usize = 2000;
+/// Share of a belt's velocity that may lead through its surface: at the ends of a flat one corners count in part.
+const THROUGH: f64 = 0.5;
 
 /// Something that moves: how fast (m/s), what it is in words, and where that is stated.
 pub struct Mover<'a> {
@@ -65,11 +68,7 @@ fn movers<'a, const D: usize>(
     let mut found = Vec::new();
     let start = setup.particles.iter().filter(|placed| placed.body == 0);
     let start = start.map(|placed| plan.velocity.at(&embed(&placed.position)).norm()).fold(0.0, f64::max);
-    found.push(Mover {
-        speed: start,
-        what: "the velocity at the start".into(),
-        place: &model.places.fluid,
-    });
+    found.push(Mover { speed: start, what: "the velocity at the start".into(), place: &model.places.fluid });
     let times = || (0..=LOOKS).map(|k| model.run.until * f64::from(k) / f64::from(LOOKS));
     for condition in &domain.conditions {
         let (speed, what) = match &condition.what {
@@ -77,7 +76,8 @@ fn movers<'a, const D: usize>(
                 let Some(number) = moved(domain, condition, &setup.bodies) else { continue };
                 let own = || setup.particles.iter().filter(move |placed| usize::from(placed.body) == number);
                 let stride = own().count().div_ceil(PARTICLES).max(1);
-                let speed = speed(&setup.bodies[number], || own().map(|p| &p.position).step_by(stride), times());
+                let speed =
+                    speed(&setup.bodies[number], || own().map(|p| &p.position).step_by(stride), times());
                 (speed, format!("the wall `{}`", setup.bodies[number].name))
             }
             What::Sponge { velocity: Some(velocity), .. } => {
@@ -88,9 +88,8 @@ fn movers<'a, const D: usize>(
                 let End::Velocity(stream) = &openings.open.ends[usize::from(*upper)] else { continue };
                 let all = || setup.particles.iter().filter(|placed| placed.body == openings.open.fluid);
                 let stride = all().count().div_ceil(PARTICLES).max(1);
-                let at = |t: f64| {
-                    all().step_by(stride).map(|p| stream(&p.position, t).norm()).fold(0.0, f64::max)
-                };
+                let at =
+                    |t: f64| all().step_by(stride).map(|p| stream(&p.position, t).norm()).fold(0.0, f64::max);
                 (times().map(at).fold(0.0, f64::max), format!("what enters by `{}`", condition.name))
             }
             _ => continue,
@@ -171,5 +170,54 @@ pub fn warnings<const D: usize>(
             format!("set fluid.sound_speed: {:.2e} m/s, or auto", 10.0 * fastest.speed),
         ));
     }
+    belts(domain, plan, &mut found);
     found
+}
+
+/// Belts whose velocity leads through the surface that the fluid touches.
+fn belts<const D: usize>(domain: &ParticleDomain, plan: &ParticlePlan<D>, found: &mut Vec<Fault>) {
+    let Some(setup) = &plan.flow else { return };
+    let step = 1e-4 * setup.spacing;
+    for condition in &domain.conditions {
+        let What::MovingWall { wall: WallName::Group(g), motion: WallMotion::Belt(velocity) } =
+            &condition.what
+        else {
+            continue;
+        };
+        let shape = &domain.groups[*g].shape;
+        if *shape == Shape::EverythingElse || velocity.norm() == 0.0 {
+            continue;
+        }
+        let distance = |x: &Vector<3>| shape.signed_distance(x);
+        let through = |x: &Vector<3>| {
+            let slope = |k: usize| {
+                let mut on = *x;
+                on[k] += step;
+                (distance(&on) - distance(x)) / step
+            };
+            let normal: Vector<3> = Vector::from_fn(|k, _| if k < D { slope(k) } else { 0.0 });
+            normal.dot(velocity).abs() / (normal.norm() * velocity.norm())
+        };
+        let touching = setup.particles.iter().filter(|placed| placed.body == 0);
+        let touching = touching.map(|placed| embed(&placed.position));
+        let worst = touching.filter(|x| distance(x).abs() < setup.spacing).map(|x| (through(&x), x)).fold(
+            None,
+            |most: Option<(f64, Vector<3>)>, one| match most {
+                Some(most) if most.0 >= one.0 => Some(most),
+                _ => Some(one),
+            },
+        );
+        if let Some((share, x)) = worst.filter(|(share, _)| *share > THROUGH) {
+            found.push(Fault::at(
+                &condition.place,
+                format!(
+                    "the belt `{}` moves through its own surface, by {:.0} % of its velocity at {}",
+                    domain.groups[*g].name,
+                    100.0 * share,
+                    show_vector(&x.as_slice()[..D], "m")
+                ),
+                "a belt slides along its surface while its particles stay: set travels: true, or give a rotation",
+            ));
+        }
+    }
 }

@@ -12,6 +12,7 @@ use crate::model::fluid::Velocity;
 use crate::model::groups::Group;
 use crate::model::names::{axis_name, side_name};
 use crate::model::{Amount, Boundary, Deal, FluidModel, Material, Model, ParticleDomain};
+use crate::quantity::readable::length;
 use crate::random::{Purpose, stream};
 use crate::vector::Vector;
 use std::sync::Arc;
@@ -128,7 +129,7 @@ impl<const D: usize> ParticlePlan<D> {
                 faults.push(Fault::at(
                     &group.place,
                     format!("group `{}` has no particles", group.name),
-                    format!("its shape must hold points of a lattice of spacing {:.4} um; make the shape larger or the spacing finer", group.spacing * 1e6),
+                    format!("its shape must hold points of a lattice of spacing {}; make the shape larger or the spacing finer", length(group.spacing)),
                 ));
             }
             check_overlap(group, &found, &solid, faults);
@@ -380,10 +381,14 @@ impl<const D: usize> ParticlePlan<D> {
                 faults.push(Fault::at(
                     &model.places.domain,
                     format!(
-                        "the box is {:.4} um along the {what} axis {}; {needed} cut-offs of {:.4} um are needed",
-                        extent * 1e6,
+                        "the box is {} along the {what} axis {}; {needed} {} needed",
+                        length(extent),
                         axis_name(k),
-                        self.cutoff * 1e6
+                        if needed == 1.0 {
+                            format!("cut-off of {} is", length(self.cutoff))
+                        } else {
+                            format!("cut-offs of {} are", length(self.cutoff))
+                        }
                     ),
                     "make the box longer, or the spacing or support smaller",
                 ));

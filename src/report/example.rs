@@ -280,7 +280,9 @@ fn the_page_of_a_run_stands_alone() {
         assert!(dir.join(format!("figures/{name}.png")).exists(), "{name}");
     }
     assert!(dir.join("figures/amounts.svg").exists() && !dir.join("figures/field_L.svg").exists());
-    for words in ["Fluid</h3>", "sound speed c₀", "Reynolds number (length 25 µm", "299 K (21 looks)", "1.1 %"] {
+    for words in
+        ["Fluid</h3>", "sound speed c₀", "Reynolds number (length 25 µm", "299 K (21 looks)", "1.1 %"]
+    {
         assert!(page.contains(words), "{words}");
     }
     assert!(page.contains("data:image/png;base64,") && page.contains("&lt;made up&gt;"));

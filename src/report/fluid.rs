@@ -27,14 +27,20 @@ pub fn fluid(record: &RunRecord) -> String {
         &format!("Reynolds number (length {}, {})", show(fluid.length, "m"), fluid.length_of),
         number(fluid.reynolds),
         or_dash(
-            health.largest_mach.filter(|_| fluid.mach > 0.0).map(|mach| number(fluid.reynolds * mach / fluid.mach)),
+            health
+                .largest_mach
+                .filter(|_| fluid.mach > 0.0)
+                .map(|mach| number(fluid.reynolds * mach / fluid.mach)),
         ),
     );
     if let Some(noise) = &fluid.noise {
-        let measured = health.temperature.map(|t| {
-            format!("{} ({} looks)", show(t.mean, "K"), grouped(t.looks))
-        });
-        row(&format!("temperature ({} noise)", noise.friction), show(noise.temperature, "K"), or_dash(measured));
+        let measured =
+            health.temperature.map(|t| format!("{} ({} looks)", show(t.mean, "K"), grouped(t.looks)));
+        row(
+            &format!("temperature ({} noise)", noise.friction),
+            show(noise.temperature, "K"),
+            or_dash(measured),
+        );
         row("thermal speed of a particle", show(noise.thermal_speed, "m/s"), String::new());
     }
     row("largest change of density", String::new(), or_dash(health.largest_density_change.map(percent)));
