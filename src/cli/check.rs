@@ -139,8 +139,9 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     }
     let rough = estimate(&plan.model, plan.model.run.realizations);
     line(format!(
-        "\nrun: {} realizations until {}, {} output times; about {:.0} MB of memory{}",
+        "\nrun: {} realization{} until {}, {} output times; about {:.0} MB of memory{}",
         plan.model.run.realizations,
+        if plan.model.run.realizations == 1 { "" } else { "s" },
         show(plan.model.run.until, "s"),
         plan.model.output.times.len(),
         (rough.bytes / 1e6).max(30.0),
