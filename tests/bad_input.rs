@@ -180,8 +180,8 @@ fn of_fluids(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] 
 #[case::held_molecules_at_a_side("held: { in: y_min, species: { A: 100 } }", "m.yaml:15:26", &["holds one concentration", "A: 1 uM"])]
 #[case::held_nothing("held: { in: y_min }", "m.yaml:15:26", &["holds no species", "species: { A: 1 uM }"])]
 #[case::held_no_species("held: { in: medium, species: {} }", "m.yaml:15:26", &["holds no species"])]
-#[case::held_and_absorbed("held: { in: y_min, species: { A: 1 uM } } }, d: { absorbing: { in: y_min, species: { A: perfect } }", "m.yaml:15:68", &["`A` of `d` (absorbing)", "`c` (held)", "remove one"])]
-#[case::held_twice("held: { in: y_min, species: { A: 1 uM } } }, d: { held: { in: y_min, species: { A: 2 uM } }", "m.yaml:15:68", &["`c` (held) already rules"])]
+#[case::held_and_absorbed("held: { in: y_min, species: { A: 1 uM } } }, d: { absorbing: { in: y_min, species: { A: perfect } }", "m.yaml:15:65", &["`A` of `d` (absorbing)", "`c` (held)", "remove one"])]
+#[case::held_twice("held: { in: y_min, species: { A: 1 uM } } }, d: { held: { in: y_min, species: { A: 2 uM } }", "m.yaml:15:65", &["`c` (held) already rules"])]
 #[case::held_at_a_periodic_side("held: { in: x_min, species: { A: 1 uM } }", "m.yaml:15:32", &["periodic along x"])]
 #[case::held_surface_of_the_medium("held: { in: medium, at: surface, species: { A: 1 uM } }", "m.yaml:15:32", &["no surface of its own"])]
 fn of_buoyancy_and_held_surfaces(#[case] condition: &str, #[case] place: &str, #[case] words: &[&str]) {
@@ -193,7 +193,7 @@ fn of_buoyancy_and_held_surfaces(#[case] condition: &str, #[case] place: &str, #
 #[case::buoyancy("buoyancy: { species: A, expansion: 1 m^3/mol, gravity: [0, 1 m/s^2] }", "m.yaml:15:30")]
 #[case::force("force: { acceleration: [1 m/s^2, 0] }", "m.yaml:15:27")]
 #[case::lid("moving_wall: { in: y_max, velocity: [1 mm/s, 0] }", "m.yaml:15:33")]
-#[case::sponge("sponge: { in: medium, rate: 1 1/s, velocity: [1 mm/s, 0] }", "m.yaml:15:64")]
+#[case::sponge("sponge: { in: medium, rate: 1 1/s, velocity: [1 mm/s, 0] }", "m.yaml:15:65")]
 fn without_a_flow(#[case] condition: &str, #[case] place: &str) {
     let message = refused(
         &PARTICLES.replace("initial:", &format!("conditions: {{ c: {{ {condition} }} }}\ninitial:")),

@@ -185,7 +185,7 @@ fn the_numbers_of_a_flow_are_told() {
     "a Mach number of 0.25, above 0.2", "set fluid.sound_speed: 5.00e-2 m/s",
 ])]
 #[case::fast_rotor("", "m: { moving_wall: { in: post, rotation: 1000 1/s, centre: [10 um, 10 um] } }", &[
-    "the wall `post` moves at 3.", "faster than the fluid.speed",
+    "the wall `post` moves at 4.", "faster than the fluid.speed",
 ])]
 #[case::fast_start(", velocity: [0, \"3 mm/s * sin(x / (1 um))\"]", "", &["the velocity at the start moves at"])]
 #[case::belt_through_itself("", "m: { moving_wall: { in: post, velocity: [1 mm/s, 0] } }", &[

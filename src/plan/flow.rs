@@ -13,10 +13,10 @@ use crate::vector::Vector;
 
 /// Largest Mach number that a flow can be called incompressible with: the density changes by 4 %.
 const MACH: f64 = 0.2;
-/// Instants of a run, and particles of a body, at which speeds are looked up.
+/// Instants of a run, and particles before a body, at which speeds are looked up.
 const LOOKS: u32 = 64;
 const PARTICLES: usize = 2000;
-/// What moves faster than stated by less than this counts as stated: particles lie half a spacing behind a surface.
+/// What moves faster than stated by less than this counts as stated: particles lie half a spacing before a surface.
 const FASTER: f64 = 1.05;
 /// Share of a belt's velocity that may lead through its surface: at the ends of a flat one corners count in part.
 const THROUGH: f64 = 0.5;
@@ -77,11 +77,11 @@ fn movers<'a, const D: usize>(
             What::MovingWall { .. } | What::FreeBody { .. } => {
                 let Some(number) = moved(domain, condition, &setup.bodies) else { continue };
                 let BodyKind::Solid { surface, .. } = &setup.bodies[number].kind else { continue };
-                // What the fluid touches.
-                let outside = |x: &Vector<D>| surface.as_ref().is_none_or(|s| s(x).abs() < setup.spacing);
+                // The fluid before it: what lies deeper in a rotor, or behind it, is not touched.
+                let near = |x: &Vector<D>| surface.as_ref().is_none_or(|s| s(x).abs() < 0.75 * setup.spacing);
                 let own = || {
-                    let all = setup.particles.iter().filter(move |placed| usize::from(placed.body) == number);
-                    all.filter(|placed| outside(&placed.position))
+                    let fluid = setup.particles.iter().filter(|placed| placed.body == 0);
+                    fluid.filter(|placed| near(&placed.position))
                 };
                 let stride = own().count().div_ceil(PARTICLES).max(1);
                 let speed =
@@ -122,21 +122,21 @@ fn moved<const D: usize>(
     bodies.iter().position(|body| body.name == name)
 }
 
-/// Largest speed of a body over its particles and some instants, m/s.
+/// Largest speed of a body at some places and instants, m/s.
 fn speed<'p, const D: usize, P: Iterator<Item = &'p Vector<D>>>(
     body: &Body<D>,
-    own: impl Fn() -> P,
+    places: impl Fn() -> P,
     times: impl Iterator<Item = f64>,
 ) -> f64 {
     let BodyKind::Solid { motion, .. } = &body.kind else { return 0.0 };
     match motion {
         Motion::Oscillating { amplitude, .. } => amplitude.norm(),
         Motion::Free(rigid) => rigid.free.velocity.norm(),
-        Motion::Deforming(deformation) => {
-            let at = |t: f64| own().map(|x| deformation.velocity(x, t).norm()).fold(0.0, f64::max);
+        Motion::Deforming(_) => {
+            let at = |t: f64| places().map(|x| motion.velocity(x, t).norm()).fold(0.0, f64::max);
             times.map(at).fold(0.0, f64::max)
         }
-        _ => own().map(|x| motion.velocity(x, 0.0).norm()).fold(0.0, f64::max),
+        _ => places().map(|x| motion.velocity(x, 0.0).norm()).fold(0.0, f64::max),
     }
 }
 

@@ -108,7 +108,9 @@ impl<const D: usize> Course<'_, '_, D> {
             }
         }
         self.book(&mut way);
-        way.flow.temperature = Some(warmth).filter(|warmth| warmth.looks > 0);
+        // What is run again, or failed, does not count.
+        let whole = !way.interrupted && way.error.is_none();
+        way.flow.temperature = Some(warmth).filter(|warmth| whole && warmth.looks > 0);
         way
     }
 
