@@ -8,6 +8,7 @@ use crate::fluid::{self, BodyKind, Flow, Setup, Snapshot, Voxels, exchange};
 use crate::geometry::shape::embed;
 use crate::model::conditions::WallName;
 use crate::plan::ParticlePlan;
+use crate::plan::particles::BOLTZMANN;
 use crate::plan::start::Voxels as Places;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
@@ -139,8 +140,9 @@ impl<'p, const D: usize> Scene<'p, D> {
             _ => return None,
         }
         self.momentum = image.momentum;
-        self.presence = image.presence;
         self.look();
+        // Who was there at the last look; it may have been before the last steps of the flow.
+        self.presence = image.presence;
         Some(())
     }
 
@@ -202,15 +204,31 @@ impl<'p, const D: usize> Scene<'p, D> {
         self.presence = now;
     }
 
-    /// Moves the flow by `steps` steps of `dt` seconds and looks again.
-    pub fn advance(&mut self, dt: f64, steps: u64) -> Result<(), RunError> {
+    /// Moves the flow by `steps` steps of `dt` seconds, or until `stop` says so; the number of steps taken. Only after
+    /// all of them it is looked at again.
+    pub fn advance(
+        &mut self,
+        dt: f64,
+        steps: u64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<u64, RunError> {
         self.book_momentum(0.0);
+        let mut taken = steps;
         if let Some(flow) = &mut self.flow {
-            flow.advance(dt, steps)?;
-            self.look();
+            taken = flow.advance_until(dt, steps, stop)?;
+            if taken == steps {
+                self.look();
+            }
         }
-        self.book_momentum(dt * steps as f64);
-        Ok(())
+        self.book_momentum(dt * taken as f64);
+        Ok(taken)
+    }
+
+    /// Temperature by the velocities of now, K; none without thermal noise.
+    #[must_use]
+    pub fn temperature(&self) -> Option<f64> {
+        self.plan.flow.as_ref()?.noise?;
+        Some(self.flow.as_ref()?.thermal_energy()? * self.plan.thickness / BOLTZMANN)
     }
 
     /// Lets the amounts of a realization (molecules, voxel by voxel of `species`) lift the fluid from here on:
