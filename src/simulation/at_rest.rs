@@ -9,7 +9,7 @@ use crate::chemistry::ssa::System;
 use crate::error::RunError;
 use crate::model::Method;
 use crate::random::{Purpose, stream};
-use crate::sampling::{Lens, Observed};
+use crate::sampling::{Lens, Moment, Observed};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -82,7 +82,7 @@ impl<const D: usize> Ready<'_, D> {
                     shown[voxel as usize * count + s] = poisson(&mut reservoirs, mean) as f64;
                 }
             }
-            lens.look(&shown, time, false, &mut observed);
+            lens.look(&shown, Moment { time, tick: 0.0 }, false, &mut observed);
         })?;
         Ok(share.map(|share| (share, observed)))
     }

@@ -10,12 +10,12 @@ use super::realization::{Realization, Reservoirs, Surroundings};
 use super::{NotReady, Outcome, Tally, Watch, hybrids, paths};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
 use crate::error::RunError;
-use crate::model::Method;
+use crate::model::{Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
 use crate::samples::SeriesBlock;
-use crate::sampling::{Lens, Observed};
+use crate::sampling::{Lens, Moment, Observed};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -113,7 +113,12 @@ impl<'p, const D: usize> Ready<'p, D> {
     #[must_use]
     pub fn first_look(&self) -> SeriesBlock {
         let mut observed = Observed::new(0);
-        Lens::new(self.plan, &self.scene).look(&self.start.means(), 0.0, true, &mut observed);
+        Lens::new(self.plan, &self.scene).look(
+            &self.start.means(),
+            Moment { time: 0.0, tick: 0.0 },
+            true,
+            &mut observed,
+        );
         observed.series
     }
 
@@ -156,7 +161,9 @@ impl<'p, const D: usize> Ready<'p, D> {
                         one.step_at_rest(&around, interval.time(k), interval.tick())
                             .map_err(|error| error.of(one.observed.series.realization))?;
                     }
-                    lens.look(&one.state.amounts, interval.end, false, &mut one.observed);
+                    let split = plan.model.chemistry.integrator == Integrator::Exponential;
+                    let now = Moment { time: interval.end, tick: if split { interval.tick() } else { 0.0 } };
+                    lens.look(&one.state.amounts, now, false, &mut one.observed);
                 }
                 watch.advance(1);
                 Ok(true)

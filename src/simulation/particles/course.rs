@@ -4,7 +4,7 @@ use crate::chemistry::split::Frozen;
 use crate::error::RunError;
 use crate::plan::Plan;
 use crate::plan::start::Start;
-use crate::sampling::Lens;
+use crate::sampling::{Lens, Moment};
 use crate::scene::Scene;
 use crate::simulation::clock::Interval;
 use crate::simulation::freeze::freeze;
@@ -90,7 +90,8 @@ impl<const D: usize> Course<'_, '_, D> {
             }
             let lens = Lens::new(plan, &self.scene);
             members.par_iter_mut().for_each(|one| {
-                lens.look(&one.state.amounts, interval.end, self.shared, &mut one.observed);
+                let now = Moment { time: interval.end, tick };
+                lens.look(&one.state.amounts, now, self.shared, &mut one.observed);
             });
             way.times += 1;
         }
