@@ -81,6 +81,16 @@ pub fn exchange<const D: usize>(
     let mut alpha = vec![0.0; n];
     let mut pull = vec![Vector::<D>::zeros(); n];
     let mut open = hosts[..n].to_vec();
+    // Images stand for the walls round the box and for what fills obstacles.
+    let closing =
+        |j: usize| !(hosts[j] || domain.is_beyond(&places[j]) || outlines.iter().any(|o| o.holds(j)));
+    for j in (0..n).filter(|&j| closing(j)) {
+        grid.for_each_near(&places[j], &places, |i, _, _| {
+            if i < n {
+                open[i] = false;
+            }
+        });
+    }
     for i in (0..n).filter(|&i| hosts[i]) {
         let start = met.len();
         let (mut own_alpha, mut own_pull) = (0.0, Vector::<D>::zeros());
@@ -92,17 +102,9 @@ pub fn exchange<const D: usize>(
                 behind.push(back);
             }
         }
-        grid.for_each_near(&places[i], &places, |image, x, r2| {
+        grid.for_each_near_after(&places[i], &places, i + 1, |image, x, r2| {
             let j = original[image] as usize;
-            if image == i {
-                return;
-            }
-            if !hosts[j] {
-                // Images stand for the walls round the box and for what fills obstacles.
-                open[i] &= domain.is_beyond(&places[image]) || outlines.iter().any(|o| o.holds(j));
-                return;
-            }
-            if j < i {
+            if j < i || !hosts[j] {
                 return;
             }
             if voxels.separated(&places[i], &x) {
