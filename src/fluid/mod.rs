@@ -15,6 +15,7 @@
 //! | [`open`], `buffers` | ends where particles enter and leave; what is prescribed beyond them |
 //! | [`observe`], `thermometer` | snapshots and health of a flow; its temperature |
 //! | [`weights`], [`exchange`], [`interpolate`] | conductances for the chemistry, ours and as printed; fields at points |
+//! | `outline`, [`surface`] | mirror images behind obstacles; what voxels face of a surface |
 //!
 //! Sources: Jacob et al. 2021 (SPH-BVF); Adami, Hu & Adams 2012, 2013; Antuono et al. 2010. All SI.
 
@@ -40,6 +41,7 @@ pub mod noise;
 pub mod observe;
 pub mod open;
 pub mod order;
+mod outline;
 pub mod particles;
 pub mod pass;
 pub mod physics;

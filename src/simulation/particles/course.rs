@@ -5,7 +5,7 @@ use crate::error::RunError;
 use crate::plan::Plan;
 use crate::plan::start::Start;
 use crate::record::TemperatureRecord;
-use crate::sampling::Lens;
+use crate::sampling::{Lens, Moment};
 use crate::scene::{self, Scene};
 use crate::simulation::clock::Interval;
 use crate::simulation::freeze::freeze;
@@ -187,7 +187,8 @@ impl<const D: usize> Course<'_, '_, D> {
             }
             let lens = Lens::new(self.plan, &self.scene);
             let look = |one: &mut Realization| {
-                lens.look(&one.state.amounts, interval.end, self.shared, &mut one.observed);
+                let now = Moment { time: interval.end, tick };
+                lens.look(&one.state.amounts, now, self.shared, &mut one.observed);
                 hand_over(&mut one.observed, self.keep, piece)
             };
             way.crew.members.par_iter_mut().try_for_each(look)?;
