@@ -2,10 +2,11 @@
 
 use rayon::prelude::*;
 
+use crate::fluid::candidates::{Candidates, TURNED};
 use crate::fluid::domain::{Domain, Shortest};
 use crate::fluid::kernel::Kernel;
-use crate::fluid::neighbours::Grid;
 use crate::fluid::particles::Side;
+use crate::fluid::wide::fill_lists;
 use crate::vector::Vector;
 
 /// A pair within the cut-off.
@@ -26,9 +27,6 @@ struct Seen<const D: usize> {
     x: Vector<D>,
     j: u32,
 }
-
-/// Marks a candidate that is seen round a periodic axis; fewer than 2^31 particles fit any memory of today.
-const TURNED: u32 = 1 << 31;
 
 /// Lists of candidates, one a particle of a block, and those of them within the cut-off.
 #[derive(Clone, Debug, Default)]
@@ -92,11 +90,6 @@ impl<const D: usize> Rows<D> {
     fn clear(&mut self) {
         self.ends.clear();
         self.list.clear();
-    }
-
-    /// Lists particle `j`, seen round a periodic axis if `turned`.
-    fn push(&mut self, j: usize, turned: bool) {
-        self.list.push(j as u32 | if turned { TURNED } else { 0 });
     }
 
     fn end_row(&mut self) {
@@ -203,57 +196,45 @@ impl<const D: usize> Block<D> {
     }
 
     /// Fills the lists: a fluid particle sees everyone, a solid one only fluid.
-    fn fill(
-        &mut self,
-        grid: &Grid<D>,
-        positions: &[Vector<D>],
-        sides: &[Side<D>],
-        solids: bool,
-        mutual: bool,
-    ) {
+    #[inline(always)]
+    pub(super) fn fill(&mut self, all: &Candidates<D>, positions: &[Vector<D>], sides: &[Side<D>], solids: bool, mutual: bool) {
         let mine = self.first..(self.first + Self::SIZE).min(positions.len());
+        let mut found = Vec::new();
         self.walls.clear();
         self.near_solid.clear();
         for i in mine.clone() {
             let solid = sides[i].is_solid();
             let before = self.walls.list.len();
             if solids {
-                grid.for_each_candidate(&positions[i], positions, |j, _| {
-                    if sides[j].is_solid() != solid {
-                        self.walls.push(j, false);
-                    }
-                });
+                let other = |&j: &u32| sides[(j & !TURNED) as usize].is_solid() != solid;
+                self.walls.list.extend(all.near(&positions[i], &mut found).iter().copied().filter(other));
             }
             self.walls.end_row();
             self.near_solid.push(!solid && self.walls.list.len() > before);
         }
-        self.fill_fluid(mine, grid, positions, sides, mutual);
-    }
-
-    /// Fills the lists of pairs of fluid particles.
-    fn fill_fluid(
-        &mut self,
-        mine: std::ops::Range<usize>,
-        grid: &Grid<D>,
-        positions: &[Vector<D>],
-        sides: &[Side<D>],
-        mutual: bool,
-    ) {
         self.inner.clear();
         self.outer.clear();
+        let (mut inner, mut outer) = (Vec::new(), Vec::new());
         for i in mine.clone() {
-            let alone = !mutual || self.near_solid[i - mine.start];
             if !sides[i].is_solid() {
-                grid.for_each_candidate(&positions[i], positions, |j, turned| {
-                    if j == i || sides[j].is_solid() {
-                        return;
-                    }
-                    if alone || !mine.contains(&j) || self.near_solid[j - mine.start] {
-                        self.outer.push(j, turned);
-                    } else if j > i {
-                        self.inner.push(j, turned);
-                    }
-                });
+                let alone = !mutual || self.near_solid[i - mine.start];
+                let near = all.near(&positions[i], &mut found);
+                if inner.len() < near.len() {
+                    inner.resize(near.len(), 0);
+                    outer.resize(near.len(), 0);
+                }
+                let (mut once, mut twice) = (0, 0);
+                for &candidate in near {
+                    let j = (candidate & !TURNED) as usize;
+                    let fluid = j != i && !(solids && sides[j].is_solid());
+                    let shared = !alone && mine.contains(&j) && !(solids && self.near_solid[j - mine.start]);
+                    // Written always, kept where it belongs: no branch to be guessed.
+                    (inner[once], outer[twice]) = (candidate, candidate);
+                    once += usize::from(fluid & shared & (j > i));
+                    twice += usize::from(fluid & !shared);
+                }
+                self.inner.list.extend_from_slice(&inner[..once]);
+                self.outer.list.extend_from_slice(&outer[..twice]);
             }
             self.inner.end_row();
             self.outer.end_row();
@@ -271,12 +252,12 @@ pub fn build_blocks<const D: usize>(
     cutoff: f64,
     mutual: bool,
 ) {
-    let grid = Grid::build(positions, domain, cutoff);
+    let all = Candidates::new(positions, domain, cutoff);
     let solids = sides.iter().any(Side::is_solid);
     blocks.resize_with(positions.len().div_ceil(Block::<D>::SIZE), Block::default);
     blocks.par_iter_mut().enumerate().for_each(|(k, block)| {
         block.first = k * Block::<D>::SIZE;
-        block.fill(&grid, positions, sides, solids, mutual);
+        fill_lists(block, &all, positions, sides, solids, mutual);
     });
 }
 

@@ -146,7 +146,6 @@ impl<const D: usize> Flow<D> {
                 }
             }
         }
-        let mut furthest = 0.0_f64;
         for &i in &openings.rim {
             let place = self.positions[i as usize];
             for (end, kind) in (0_u8..).zip(&openings.open.ends) {
@@ -157,12 +156,10 @@ impl<const D: usize> Flow<D> {
                         stream(&self.domain.wrap(&place), time)[axis] * if end == 0 { 1.0 } else { -1.0 };
                     if inward > 0.0 {
                         self.positions[i as usize][axis] += 2.0 * if end == 0 { out } else { -out };
-                        furthest = furthest.max(2.0 * out);
                     }
                 }
             }
         }
-        self.travel += furthest;
         self.openings = Some(openings);
     }
 }

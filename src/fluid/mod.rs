@@ -22,6 +22,7 @@ mod balance;
 pub mod blocks;
 pub mod bodies;
 mod buffers;
+pub mod candidates;
 pub mod deform;
 pub mod domain;
 pub mod exchange;
