@@ -18,6 +18,8 @@ pub struct Contact<const D: usize> {
     pub weight: f64,
     /// F of the shift's own kernel, zero without a shift.
     pub f_shift: f64,
+    /// 1/|x|², m^-2.
+    pub inverse_square: f64,
     pub j: u32,
 }
 
@@ -34,10 +36,13 @@ pub struct Rows<const D: usize> {
     ends: Vec<u32>,
     list: Vec<u32>,
     contact_ends: Vec<u32>,
-    /// Of the contacts; of this and the next two the first `contact_ends.last()` are in use.
+    /// Of the contacts; of this and the next three the first `contact_ends.last()` are in use.
     seen: Vec<Seen<D>>,
     /// r² until weighed, then [`Contact::weight`]; apart from `seen` so that kernels are evaluated many at a time.
     weights: Vec<f64>,
+    /// 1/r², m^-2.
+    inverse_squares: Vec<f64>,
+    /// F of the shift's own kernel; empty without a shift.
     shifts: Vec<f64>,
 }
 
@@ -47,26 +52,38 @@ impl<const D: usize> Rows<D> {
     pub fn row(&self, row: usize) -> impl Iterator<Item = Contact<D>> + '_ {
         let start = if row == 0 { 0 } else { self.contact_ends[row - 1] as usize };
         let mine = start..self.contact_ends[row] as usize;
-        let (seen, weights, shifts) =
-            (&self.seen[mine.clone()], &self.weights[mine.clone()], &self.shifts[mine]);
-        seen.iter().zip(weights).zip(shifts).map(|((seen, &weight), &f_shift)| Contact {
+        let (seen, weights, inverse_squares) =
+            (&self.seen[mine.clone()], &self.weights[mine.clone()], &self.inverse_squares[mine.clone()]);
+        let shifts = self.shifts.get(mine).unwrap_or(&[]);
+        let all = seen.iter().zip(weights).zip(inverse_squares).enumerate();
+        all.map(|(n, ((seen, &weight), &inverse_square))| Contact {
             x: seen.x,
             weight,
-            f_shift,
+            f_shift: shifts.get(n).copied().unwrap_or(0.0),
+            inverse_square,
             j: seen.j,
         })
     }
 
-    /// Puts F in the place of r², and F of the shift's kernel beside it.
+    /// Puts F in the place of r², and beside it 1/r² and F of the shift's kernel.
     #[inline(always)]
     fn weigh(&mut self, kernel: &Kernel<D>, shift: Option<&Kernel<D>>) {
         let count = self.contacts() as usize;
-        let (weights, shifts) = (&mut self.weights[..count], &mut self.shifts[..count]);
+        let (weights, inverse_squares) = (&mut self.weights[..count], &mut self.inverse_squares[..count]);
+        if shift.is_some() && self.shifts.len() < count {
+            self.shifts.reserve_exact(inverse_squares.len() - self.shifts.len());
+            self.shifts.resize(count, 0.0);
+        }
         // As many at a time as stay near at hand.
-        for (weights, shifts) in weights.chunks_mut(256).zip(shifts.chunks_mut(256)) {
-            weights.iter_mut().for_each(|weight| *weight = weight.sqrt());
+        const MANY: usize = 256;
+        let all = weights.chunks_mut(MANY).zip(inverse_squares.chunks_mut(MANY)).enumerate();
+        for (n, (weights, inverse_squares)) in all {
+            for (weight, inverse_square) in weights.iter_mut().zip(inverse_squares) {
+                *inverse_square = 1.0 / *weight;
+                *weight = weight.sqrt();
+            }
             if let Some(shift) = shift {
-                shift.fs(weights, shifts);
+                shift.fs(weights, &mut self.shifts[n * MANY..][..weights.len()]);
             }
             kernel.fs_in_place(weights);
         }
@@ -116,7 +133,7 @@ impl<const D: usize> Rows<D> {
                 let length = needed + 256;
                 self.seen.reserve_exact(length - self.seen.len());
                 self.seen.resize(length, Seen { x: Vector::zeros(), j: 0 });
-                for weights in [&mut self.weights, &mut self.shifts] {
+                for weights in [&mut self.weights, &mut self.inverse_squares] {
                     weights.reserve_exact(length - weights.len());
                     weights.resize(length, 0.0);
                 }

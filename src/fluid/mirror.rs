@@ -112,7 +112,7 @@ impl<const D: usize> Flow<D> {
             let i = &sides[block.first + row];
             let mut friction = Vector::zeros();
             for c in block.outer.row(row) {
-                let (j, p) = (&sides[c.j as usize], Pair { x: c.x, f: c.weight, f_shift: c.f_shift });
+                let (j, p) = (&sides[c.j as usize], Pair::new(&c));
                 let mut between = Vector::zeros();
                 terms.viscosity.pair(
                     terms.rub::<false>(makeup, &p, i, j),
@@ -123,7 +123,7 @@ impl<const D: usize> Flow<D> {
                 friction += between * j.volume;
             }
             for c in block.row(row) {
-                let (j, p) = (&sides[c.j as usize], Pair { x: c.x, f: c.weight, f_shift: c.f_shift });
+                let (j, p) = (&sides[c.j as usize], Pair::new(&c));
                 let mut between = Vector::zeros();
                 terms.viscosity.pair(
                     terms.rub::<true>(makeup, &p, i, j),

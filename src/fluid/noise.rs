@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn forces_are_opposite_and_have_the_covariance_of_the_friction() {
         let x = Vector::<2>::new(0.6, 0.8);
-        let there = Pair { x, f: 1.0, f_shift: 1.0 };
+        let there = Pair { x, f: 1.0, f_shift: 1.0, inverse_square: 1.0 };
         let back = Pair { x: -x, ..there };
         for form in [Friction::Morris, Friction::EspanolRevenga] {
             let mut noise = ThermalNoise::<2>::new(&Noise { energy: 2.0, seed: 1, realization: 0 });

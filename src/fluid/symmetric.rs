@@ -32,6 +32,18 @@ impl<const D: usize> Symmetric<D> {
         }
     }
 
+    /// `scale` x⊗x.
+    #[inline(always)]
+    #[must_use]
+    pub fn square(x: &Vector<D>, scale: f64) -> Symmetric<D> {
+        let scaled = x * scale;
+        let mut mixed = Vector::zeros();
+        for k in 0..Self::MIXED {
+            mixed[k] = scaled[k] * x[(k + 1) % D];
+        }
+        Symmetric { diagonal: scaled.component_mul(x), mixed }
+    }
+
     /// The symmetric part of a⊗b.
     #[inline(always)]
     #[must_use]

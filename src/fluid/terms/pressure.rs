@@ -43,7 +43,7 @@ mod tests {
     #[test]
     fn the_switch_acts_on_tension_alone_and_only_for_its_form() {
         let x = Vector::<2>::new(0.3, 0.1);
-        let p = Pair { x, f: Kernel::<2>::new(KernelKind::Lucy, 1.0).f(x.norm()), f_shift: 0.0 };
+        let p = Pair { x, f: Kernel::<2>::new(KernelKind::Lucy, 1.0).f(x.norm()), f_shift: 0.0, inverse_square: 1.0 / x.norm_squared() };
         let force = |form: Pressure, a: f64, b: f64| {
             let mut out = Vector::zeros();
             form.pair(&p, &side(1.0, a), &side(1.0, b), &mut out);

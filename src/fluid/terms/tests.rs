@@ -46,7 +46,7 @@ fn pairs() -> Vec<(Side<3>, Side<3>, Pair<3>)> {
                 ..side(0.5 + any(), any() - 0.5)
             };
             let f = kernel.f(x.norm());
-            (state(a, b), state(c, d), Pair { x, f, f_shift: f })
+            (state(a, b), state(c, d), Pair { x, f, f_shift: f, inverse_square: 1.0 / x.norm_squared() })
         })
         .collect()
 }
@@ -148,7 +148,8 @@ fn expansion_lowers_the_density_at_the_rate_of_its_divergence() {
             - V::from_element(3.0);
         if place != V::zeros() {
             let other = Side { velocity: place, ..centre };
-            let pair = Pair { x: -place, f: kernel.f(place.norm()), f_shift: 0.0 };
+            let inverse_square = 1.0 / place.norm_squared();
+            let pair = Pair { x: -place, f: kernel.f(place.norm()), f_shift: 0.0, inverse_square };
             Continuity::Advected.pair(&approach(&centre, &other, &pair).0, &centre, &other, &mut rate);
         }
     }
