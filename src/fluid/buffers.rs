@@ -110,6 +110,7 @@ impl<const D: usize> Flow<D> {
             side.density = state.density(pressure, own.rest_density, c);
             side.pressure = pressure;
             side.volume = own.mass / side.density;
+            side.invert();
             // Its neighbourhood ends with the buffer; that of the fluid before it does not.
             side.moment = Symmetric::identity(1.0);
         }

@@ -125,6 +125,8 @@ impl<const D: usize> Flow<D> {
                 drift: Vector::zeros(),
                 density,
                 volume: placed.volume,
+                inverse_density: 1.0 / density,
+                inverse_root: 1.0 / placed.volume.sqrt(),
                 id: id as u32,
                 material,
                 body: placed.body,

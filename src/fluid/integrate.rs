@@ -102,7 +102,7 @@ impl<const D: usize> Flow<D> {
                     sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
                 }
                 for ((rates, own), side) in rates.iter().zip(own).zip(&sides[block.first..]) {
-                    own.acceleration = rates.force / side.density + gravity + own.lift;
+                    own.acceleration = rates.force * side.inverse_density + gravity + own.lift;
                 }
             });
         self.load_bodies(0.0);
@@ -255,6 +255,7 @@ impl<const D: usize> Flow<D> {
                     side.density += dt * rate - drift * own.rest_density;
                     side.pressure = state.pressure(side.density, own.rest_density, c);
                     side.volume = own.mass / side.density;
+                    side.invert();
                     if corrected {
                         (side.moment, side.uneven) = Moment.correction(&rates.moment);
                     }
@@ -347,6 +348,7 @@ impl<const D: usize> Flow<D> {
             side.velocity = shown.velocity;
             side.pressure = shown.pressure;
             side.density = state.density(shown.pressure, self.own[i as usize].rest_density, c);
+            side.invert();
         }
     }
 
@@ -410,7 +412,7 @@ impl<const D: usize> Flow<D> {
                         continue;
                     }
                     *position += rates.correction;
-                    own.acceleration = rates.force / side.density + gravity + own.lift;
+                    own.acceleration = rates.force * side.inverse_density + gravity + own.lift;
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
                     if let Some(shift) = shift {

@@ -74,7 +74,7 @@ impl<const D: usize> ThermalNoise<D> {
     /// Force per volume of i and of j, N/m³ times m^-D, that matches a form of friction of strength `rub` = eta_ij F c_ij.
     #[inline(always)]
     pub fn pair(&self, form: Friction, rub: f64, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Vector<D>) {
-        let size = (self.power * rub / (i.volume * j.volume)).sqrt();
+        let size = (self.power * rub).sqrt() * (i.inverse_root * j.inverse_root);
         let signed = f64::from_bits(size.to_bits() | u64::from(i.id > j.id) << 63);
         *out += shape(form, self.draw(i.id, j.id), &p.x) * signed;
     }
@@ -91,7 +91,7 @@ impl<const D: usize> ThermalNoise<D> {
         i: &Side<D>,
         j: &Side<D>,
     ) -> Vector<D> {
-        let size = (self.power * rub / (i.volume * j.volume)).sqrt();
+        let size = (self.power * rub).sqrt() * (i.inverse_root * j.inverse_root);
         let n = self.draw(i.id, j.id) + self.draw(j.id, j.id) * share.sqrt();
         shape(form, n, &p.x) * size
     }

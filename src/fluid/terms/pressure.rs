@@ -26,7 +26,7 @@ impl Pressure {
                 2.0 * (i.density * j.pressure + j.density * i.pressure) / (i.density + j.density)
             }
             Pressure::Squares | Pressure::Switched => {
-                let (mine, yours) = (i.pressure * j.density / i.density, j.pressure * i.density / j.density);
+                let (mine, yours) = (i.pressure * i.inverse_density * j.density, j.pressure * j.inverse_density * i.density);
                 if self == Pressure::Switched && mine + yours < 0.0 { yours - mine } else { mine + yours }
             }
         };
