@@ -214,7 +214,14 @@ impl<const D: usize> Block<D> {
 
     /// Fills the lists: a fluid particle sees everyone, a solid one only fluid.
     #[inline(always)]
-    pub(super) fn fill(&mut self, all: &Candidates<D>, positions: &[Vector<D>], sides: &[Side<D>], solids: bool, mutual: bool) {
+    pub(super) fn fill(
+        &mut self,
+        all: &Candidates<D>,
+        positions: &[Vector<D>],
+        sides: &[Side<D>],
+        solids: bool,
+        mutual: bool,
+    ) {
         let mine = self.first..(self.first + Self::SIZE).min(positions.len());
         let mut found = Vec::new();
         self.walls.clear();

@@ -37,6 +37,8 @@ struct Slab {
     index: usize,
     /// What takes a place in it to where it is seen, m.
     turn: f64,
+    /// [`TURNED`] if that is anywhere else.
+    mark: u32,
     /// Square of the distance to it, m².
     gap: f64,
 }
@@ -99,11 +101,12 @@ impl<const D: usize> Candidates<D> {
     /// grows as needed.
     #[inline(always)]
     pub fn near<'a>(&self, point: &Vector<D>, found: &'a mut Vec<u32>) -> &'a [u32] {
-        let slabs: [[Slab; SLABS]; D] = std::array::from_fn(|k| if k == 0 { Default::default() } else { self.slabs(k, point[k]) });
+        let slabs: [[Slab; SLABS]; D] =
+            std::array::from_fn(|k| if k == 0 { Default::default() } else { self.slabs(k, point[k]) });
         let mut taken = 0;
         // All rows of cells as one number in base `SLABS`.
         'rows: for code in 0..SLABS.pow(D as u32 - 1) {
-            let (mut seen_from, mut gap, mut turned) = (*point, 0.0, false);
+            let (mut seen_from, mut gap, mut mark) = (*point, 0.0, 0);
             let mut digits = code;
             let mut row = 0;
             let mut stride = self.cells[0];
@@ -112,7 +115,7 @@ impl<const D: usize> Candidates<D> {
                 digits /= SLABS;
                 gap += slab.gap;
                 seen_from[k] -= slab.turn;
-                turned |= slab.turn != 0.0;
+                mark |= slab.mark;
                 row += slab.index * stride;
                 stride *= self.cells[k];
             }
@@ -121,34 +124,34 @@ impl<const D: usize> Candidates<D> {
             if !(room > 0.0) {
                 continue 'rows;
             }
-            self.along(row, room.sqrt(), &seen_from, turned, &mut taken, found);
+            self.along(row, room.sqrt(), &seen_from, mark, &mut taken, found);
         }
         &found[..taken]
     }
 
-    /// Those of a row of cells, not further than `half` (m) along it.
+    /// Those of a row of cells, not further than `half` (m) along it, seen from `point`.
     #[inline(always)]
-    fn along(&self, row: usize, half: f64, point: &Vector<D>, turned: bool, taken: &mut usize, found: &mut Vec<u32>) {
+    fn along(
+        &self,
+        row: usize,
+        half: f64,
+        point: &Vector<D>,
+        mark: u32,
+        taken: &mut usize,
+        found: &mut Vec<u32>,
+    ) {
         let n = self.cells[0] as i64;
         let place = point[0] - self.origin[0];
         let low = ((place - half) * self.inverse_width[0]).floor() as i64;
         let high = ((place + half) * self.inverse_width[0]).floor() as i64;
-        // The cells before the first, those there are, and those after the last.
-        let stretches = [
-            (low + n, n - 1, -self.length[0], self.periodic[0] && low < 0),
-            (low, high, 0.0, true),
-            (0, high - n, self.length[0], self.periodic[0] && high >= n),
-        ];
         let limit = self.radius * self.radius;
-        for (from, to, turn, _) in stretches.into_iter().filter(|&(.., there)| there) {
-            let (from, to) = (from.clamp(0, n - 1) as usize, to.clamp(0, n - 1) as usize);
-            let mine = self.starts[row + from] as usize..self.starts[row + to + 1] as usize;
+        let mut see = |from: i64, to: i64, point: Vector<D>, mark: u32| {
+            // Into the row, whatever a lost number asks for.
+            let (from, to) = (row + from.clamp(0, n - 1) as usize, row + to.clamp(0, n - 1) as usize);
+            let mine = self.starts[from] as usize..self.starts[to + 1] as usize;
             if found.len() < *taken + mine.len() {
                 found.resize(*taken + mine.len() + 64, 0);
             }
-            let mut point = *point;
-            point[0] -= turn;
-            let mark = if turned || turn != 0.0 { TURNED } else { 0 };
             let (order, places) = (&self.order[mine.clone()], &self.places[mine]);
             let found = &mut found[*taken..][..order.len()];
             let mut kept = 0;
@@ -158,6 +161,18 @@ impl<const D: usize> Candidates<D> {
                 kept += usize::from((point - there).norm_squared() < limit);
             }
             *taken += kept;
+        };
+        see(low, high, *point, mark);
+        if self.periodic[0] && (low < 0 || high >= n) {
+            // A box of two radii or more: beyond one end at most.
+            let mut beyond = *point;
+            if low < 0 {
+                beyond[0] += self.length[0];
+                see(low + n, n - 1, beyond, TURNED);
+            } else {
+                beyond[0] -= self.length[0];
+                see(0, high - n, beyond, TURNED);
+            }
         }
     }
 
@@ -172,13 +187,13 @@ impl<const D: usize> Candidates<D> {
             let (start, end) = (index as f64 * width, (index + 1) as f64 * width);
             let gap = if s == REACH { 0.0 } else { (start - place).max(place - end).max(0.0) };
             if (0..n).contains(&index) {
-                Slab { index: index as usize, turn: 0.0, gap: gap * gap }
+                Slab { index: index as usize, turn: 0.0, mark: 0, gap: gap * gap }
             } else if self.periodic[k] {
                 // A box of two radii has REACH cells or more: one turn is enough.
                 let turn = if index < 0 { -self.length[k] } else { self.length[k] };
-                Slab { index: index.rem_euclid(n) as usize, turn, gap: gap * gap }
+                Slab { index: index.rem_euclid(n) as usize, turn, mark: TURNED, gap: gap * gap }
             } else {
-                Slab { index: 0, turn: 0.0, gap: f64::INFINITY }
+                Slab { gap: f64::INFINITY, ..Slab::default() }
             }
         })
     }
@@ -190,5 +205,57 @@ impl<const D: usize> Candidates<D> {
 
     fn home(&self, point: &Vector<D>) -> usize {
         (0..D).rev().fold(0, |index, k| index * self.cells[k] + self.cell(k, point[k]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{Rng, SeedableRng};
+
+    fn against_all_pairs<const D: usize>(periodic: [bool; D], lengths: [f64; D], radius: f64) {
+        let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(17);
+        let domain = Domain { min: Vector::zeros(), max: Vector::from_row_slice(&lengths), periodic };
+        let positions: Vec<Vector<D>> =
+            (0..300).map(|_| Vector::from_fn(|k, _| random.random::<f64>() * lengths[k])).collect();
+        let all = Candidates::new(&positions, &domain, radius);
+        let mut room = Vec::new();
+        for point in &positions {
+            let mut found = all.near(point, &mut room).to_vec();
+            found.sort_unstable_by_key(|j| j & !TURNED);
+            let expected: Vec<u32> = (0..positions.len())
+                .filter(|&j| domain.separation(point, &positions[j]).norm() < radius)
+                .map(|j| {
+                    let turned = domain.separation(point, &positions[j]) != point - positions[j];
+                    j as u32 | if turned { TURNED } else { 0 }
+                })
+                .collect();
+            assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn the_same_pairs_as_a_double_loop() {
+        against_all_pairs([true], [1.0], 0.13);
+        against_all_pairs([false], [1.0], 0.3);
+        against_all_pairs([true, false], [1.0, 0.4], 0.21);
+        // Two radii long, the shortest box there is.
+        against_all_pairs([true, true], [1.0, 0.9], 0.45);
+        against_all_pairs([false, false], [1.0, 1.0], 3.0);
+        against_all_pairs([true, false, true], [1.0, 0.7, 1.3], 0.3);
+        against_all_pairs([true, true, true], [1.0, 1.7, 1.3], 0.5);
+    }
+
+    #[test]
+    fn lost_places_break_no_search() {
+        let domain = Domain { min: Vector::zeros(), max: Vector::from_element(1.0), periodic: [true, false] };
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e284, -1e284] {
+            let positions =
+                [Vector::<2>::new(0.2, 0.2), Vector::<2>::new(bad, 0.3), Vector::<2>::new(0.3, bad)];
+            let all = Candidates::new(&positions, &domain, 0.3);
+            for point in &positions {
+                assert!(all.near(point, &mut Vec::new()).len() <= positions.len());
+            }
+        }
     }
 }

@@ -128,7 +128,8 @@ impl<const D: usize> Flow<D> {
             .zip(self.listed.par_chunks(Block::<D>::SIZE))
             .map(|(((positions, sides), own), listed)| {
                 let (mut fastest, mut strayed) = (0.0_f64, 0.0_f64);
-                for (((position, side), own), listed) in positions.iter_mut().zip(sides).zip(own).zip(listed) {
+                for (((position, side), own), listed) in positions.iter_mut().zip(sides).zip(own).zip(listed)
+                {
                     if side.is_solid() {
                         continue;
                     }
@@ -190,7 +191,10 @@ impl<const D: usize> Flow<D> {
     /// Builds the lists anew.
     pub(super) fn rebuild(&mut self) {
         let domain = &self.domain;
-        self.positions.par_iter_mut().with_min_len(4096).for_each(|position| *position = domain.wrap(position));
+        self.positions
+            .par_iter_mut()
+            .with_min_len(4096)
+            .for_each(|position| *position = domain.wrap(position));
         let radius = self.kernel.cutoff() + self.setup.skin;
         let mutual = self.terms.are_mutual();
         build_blocks(&mut self.blocks, &self.positions, &self.sides, &self.domain, radius, mutual);

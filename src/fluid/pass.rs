@@ -229,6 +229,7 @@ struct Gain<const D: usize> {
 }
 
 impl<const D: usize> Default for Gain<D> {
+    #[inline(always)]
     fn default() -> Gain<D> {
         Gain { density: 0.0, moment: Symmetric::identity(0.0), spread: Spread::identity(0.0) }
     }

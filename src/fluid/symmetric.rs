@@ -15,6 +15,7 @@ impl<const D: usize> Symmetric<D> {
     const MIXED: usize = D * (D - 1) / 2;
 
     /// `scale` times the identity.
+    #[inline(always)]
     #[must_use]
     pub fn identity(scale: f64) -> Symmetric<D> {
         Symmetric { diagonal: Vector::from_element(scale), mixed: Vector::zeros() }

@@ -1,4 +1,4 @@
-//! The sweeps compiled twice: for any processor of the architecture, and for the wider registers of AVX2, chosen while
+//! The sweeps and the filling of lists compiled twice: for any processor of the architecture, and for the wider registers of AVX2, chosen while
 //! running. No product is fused with a sum in either, so the same bits come out of both.
 
 use crate::fluid::blocks::Block;

@@ -41,22 +41,15 @@ impl Moment {
     /// c_ij of a pair, dimensionless, from the matrices of both sides; limited if `uneven`.
     #[inline(always)]
     #[must_use]
-    pub fn pair<const D: usize>(
-        &self,
-        p: &Pair<D>,
-        i: &Symmetric<D>,
-        j: &Symmetric<D>,
-        uneven: bool,
-    ) -> f64 {
+    pub fn pair<const D: usize>(&self, p: &Pair<D>, i: &Symmetric<D>, j: &Symmetric<D>, uneven: bool) -> f64 {
         let half = 0.5 * p.inverse_square;
         if !uneven {
             let mut both = *i;
             both.add_scaled(j, 1.0);
             return half * both.along(&p.x);
         }
-        let limited = |m: &Symmetric<D>| {
-            (half * m.along(&p.x)).max(0.5 * Self::LIMITS.0).min(0.5 * Self::LIMITS.1)
-        };
+        let limited =
+            |m: &Symmetric<D>| (half * m.along(&p.x)).max(0.5 * Self::LIMITS.0).min(0.5 * Self::LIMITS.1);
         limited(i) + limited(j)
     }
 }
