@@ -12,6 +12,8 @@ pub const TURNED: u32 = 1 << 31;
 const PARTS: [f64; 2] = [4.0, 2.0];
 /// Rows of cells to either side that come as near as the radius.
 const REACH: usize = PARTS[1] as usize;
+/// Cells of one axis at most.
+const MOST: usize = 1 << 28;
 /// Slabs of cells in sight of a point on one axis.
 const SLABS: usize = 2 * REACH + 1;
 
@@ -53,19 +55,22 @@ impl<const D: usize> Candidates<D> {
             min = min.inf(p);
             max = max.sup(p);
         }
-        // Not more cells than a few per point, whatever outlier stretches the box.
-        let most = (8.0 * positions.len() as f64).powf(1.0 / D as f64).ceil().max(4.0);
-        let (mut cells, mut width) = ([1; D], Vector::from_element(radius));
+        let mut cells = [1; D];
         for k in 0..D {
             if domain.periodic[k] || positions.is_empty() {
                 (min[k], max[k]) = (domain.min[k], domain.max[k]);
             }
-            let parts = PARTS[k.min(1)];
-            let count = (parts * (max[k] - min[k]) / radius).floor().clamp(1.0, parts * most);
-            cells[k] = count as usize;
-            // A box without extent (all points in a plane) has one cell.
-            width[k] = (max[k] - min[k]).max(radius / parts) / count;
+            // One cell for a box without extent (all points in a plane) and where a number is lost.
+            cells[k] = ((PARTS[k.min(1)] * (max[k] - min[k]) / radius) as usize).clamp(1, MOST);
         }
+        // Not more cells than some per point, whatever outlier stretches the box.
+        let most = 4 * MOST.min(8 * positions.len() + 16);
+        while cells.iter().fold(1, |all: usize, &n| all.saturating_mul(n)) > most {
+            if let Some(n) = cells.iter_mut().max() {
+                *n /= 2;
+            }
+        }
+        let width = Vector::from_fn(|k, _| (max[k] - min[k]).max(radius / PARTS[k.min(1)]) / cells[k] as f64);
         let mut all = Candidates {
             radius,
             length: domain.lengths(),
