@@ -8,6 +8,7 @@ use crate::fluid::kernel::Kernel;
 use crate::fluid::particles::Side;
 use crate::fluid::wide::fill_lists;
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// A pair within the cut-off.
 #[derive(Clone, Copy, Debug)]
@@ -31,18 +32,23 @@ struct Seen<const D: usize> {
 }
 
 /// Lists of candidates, one a particle of a block, and those of them within the cut-off.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Rows<const D: usize> {
     ends: Vec<u32>,
     list: Vec<u32>,
+    #[serde(skip)]
     contact_ends: Vec<u32>,
     /// Of the contacts; of this and the next three the first `contact_ends.last()` are in use.
+    #[serde(skip)]
     seen: Vec<Seen<D>>,
     /// r² until weighed, then [`Contact::weight`]; apart from `seen` so that kernels are evaluated many at a time.
+    #[serde(skip)]
     weights: Vec<f64>,
     /// 1/r², m^-2.
+    #[serde(skip)]
     inverse_squares: Vec<f64>,
     /// F of the shift's own kernel; empty without a shift.
+    #[serde(skip)]
     shifts: Vec<f64>,
 }
 
@@ -157,7 +163,7 @@ impl<const D: usize> Rows<D> {
 }
 
 /// A run of particles that lie together, with its neighbour lists and its share of the pairs of this step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Block<const D: usize> {
     /// First particle of the block.
     pub first: usize,

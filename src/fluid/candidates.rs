@@ -125,8 +125,7 @@ impl<const D: usize> Candidates<D> {
                 stride *= self.cells[k];
             }
             let room = self.radius * self.radius - gap;
-            // Written for "not a number" too.
-            if !(room > 0.0) {
+            if room.is_nan() || room <= 0.0 {
                 continue 'rows;
             }
             self.along(row, room.sqrt(), &seen_from, mark, &mut taken, found);
