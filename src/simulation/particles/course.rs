@@ -56,11 +56,13 @@ pub(super) struct Travelled {
 }
 
 /// Where a course stands: intervals that are behind it, chemistry steps of the present one, and fluid steps of the
-/// present one of these (none: its first half of chemistry is still to come).
+/// present one of these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Point {
     interval: usize,
     ticks: u64,
+    /// Whether the first half of the chemistry of the present step is done.
+    begun: bool,
     fluid_steps: u64,
 }
 
@@ -178,17 +180,19 @@ impl<const D: usize> Course<'_, '_, D> {
             for k in first..interval.ticks {
                 let (time, half) = (interval.time(k), 0.5 * tick);
                 let (plan, start) = (self.plan, self.start);
-                let mut at = Point { interval: i, ticks: k, fluid_steps: 0 };
+                let mut at = Point { interval: i, ticks: k, begun: false, fluid_steps: 0 };
                 if at.reaches(&from) {
-                    at.fluid_steps = from.fluid_steps;
+                    at = from;
                 }
                 // Before the motion, and again each time it is broken off, the state can be saved.
-                while at.fluid_steps < interval.fluid_steps.max(1) {
+                loop {
                     let stop = self.watch.stopped();
                     let due = patience.is_some_and(|patience| stop || saved_at.elapsed() > patience);
                     // What has just begun is begun again as fast as it is taken up.
                     if due && at != from {
                         self.save(name, at, &mut tape, &way)?;
+                    }
+                    if due {
                         saved_at = Instant::now();
                     }
                     if stop {
@@ -196,7 +200,8 @@ impl<const D: usize> Course<'_, '_, D> {
                         return Ok(way);
                     }
                     let chemistry = Instant::now();
-                    if at.fluid_steps == 0 {
+                    if !at.begun {
+                        at.begun = true;
                         let before = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
                         way.crew.advance(|one| one.before_motion(&before, time, half));
                         let lifted = way.crew.members.first().filter(|_| !self.scene.plan.lifts.is_empty());
