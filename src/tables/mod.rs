@@ -3,14 +3,17 @@
 //! Every file is written under a temporary name in its own folder and then renamed, so a reader never sees
 //! half a file. Rows come in a fixed order and row groups have a fixed size: the same samples give the same bytes.
 
+mod comparisons;
 mod frame;
 mod particles;
 mod probes;
 mod record;
 mod series;
 mod summary;
+mod time_averages;
 
 pub use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
+pub use comparisons::{ComparisonRow, write_comparison};
 pub use particles::{list_particles, read_particles, write_particles};
 pub use probes::{read_probes, write_probes};
 pub use record::{read_record, write_record};
@@ -19,6 +22,7 @@ pub use summary::{
     Bin, CovarianceRow, StatisticsRow, read_covariance, read_histograms, read_statistics, write_covariance,
     write_histograms, write_statistics,
 };
+pub use time_averages::{TimeAverageRow, read_time_averages, time_averages, write_time_averages};
 
 use crate::error::RunError;
 use std::io::Write;
