@@ -1,5 +1,5 @@
-//! `gillesph compare`: a change of 2 % of a rate is found as often as the output predicts, two seeds of one model do
-//! not differ, and what cannot be compared is refused.
+//! `gillesph compare`: a change of 2 % of a rate is found as often as the output predicts, two seeds of one
+//! model do not differ, and what cannot be compared is refused.
 
 mod face;
 
@@ -10,7 +10,8 @@ use rstest::rstest;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Birth and death from nothing: a Poisson number of mean 95 (1 - 1/e) = 60.05 at 1 s, in proportion to the rate of birth.
+/// Birth and death from nothing: a Poisson number of mean 95 (1 - 1/e) = 60.05 at 1 s, in proportion to the
+/// rate of birth.
 const MODEL: &str = "name: birth
 reactions:
   species: [X]
@@ -56,8 +57,8 @@ fn part(whole: &Side, from: usize, count: usize) -> Side {
 
 /// Cuts three long runs (nominal, nominal with another seed, 2 % faster) into repeats of 800 realizations.
 ///
-/// 800 + 800 Poisson numbers of mean 60: a standard error of 0.645 %, so that 2 % is 3.1 of them; found at the level
-/// 2.5 % (mean and variance share 5 %) with a power of 0.805.
+/// 800 + 800 Poisson numbers of mean 60: a standard error of 0.645 %, so that 2 % is 3.1 of them; found at
+/// the level 2.5 % (mean and variance share 5 %) with a power of 0.805.
 fn found_as_predicted(repeats: usize) {
     const N: usize = 800;
     let bench = Bench::new();
@@ -82,15 +83,20 @@ fn found_as_predicted(repeats: usize) {
         alarms += f64::from(u8::from(compare(&a, &part(&again, r * N, N), &question).unwrap().differs));
     }
     let n = repeats as f64;
-    println!("{repeats} repeats: found {:.3}, predicted {predicted:.3}, false alarms {:.3}", hits / n, alarms / n);
+    println!(
+        "{repeats} repeats: found {:.3}, predicted {predicted:.3}, false alarms {:.3}",
+        hits / n,
+        alarms / n
+    );
     assert!((predicted - 0.805).abs() < 0.01, "{predicted}");
-    // Binomial, four standard deviations: missed with a chance of 6e-5. The variance, rejected by chance in up to
-    // 2.5 %, lets the mean pass at 5 %: 0.2 % more are found than the power says.
+    // Binomial, four standard deviations: missed with a chance of 6e-5. The variance, rejected by chance in
+    // up to 2.5 %, lets the mean pass at 5 %: 0.2 % more are found than the power says.
     let spread = |p: f64| 4.0 * (p * (1.0 - p) / n).sqrt();
     assert!((hits / n - predicted - 0.001).abs() < spread(predicted) + 0.001, "{} {predicted}", hits / n);
     assert!(alarms / n < 0.05 + spread(0.05), "{alarms}");
 
-    // The whole runs: at the level 1e-4 two seeds differ by chance once in ten thousand; 2 % is 40 standard errors.
+    // The whole runs: at the level 1e-4 two seeds differ by chance once in ten thousand; 2 % is 40 standard
+    // errors.
     let path = |name: &str| bench.path(name);
     let (status, out, err) = compared(&path("nominal"), &path("again"), &["--level", "1e-4"]);
     assert_eq!(status, Some(0), "{out}{err}");

@@ -61,9 +61,10 @@ enum Verb {
     /// Compare two runs: which means and variances differ, and what a difference would have to be to be seen
     ///
     /// Every amount that both runs hold is tested at each output time for its mean (t test) and its variance
-    /// (O'Brien 1981). The chance of any false alarm over all of them is --level (Holm 1979). Runs of one seed share
-    /// their random numbers and are compared in pairs. Differences are b - a; relative ones in units of a. "sees 80 %" is the smallest
-    /// true relative difference that this comparison finds with 80 % power.
+    /// (O'Brien 1981). The chance of any false alarm over all of them is --level (Holm 1979). Runs of one
+    /// seed share their random numbers and are compared in pairs. Differences are b - a, relative ones in
+    /// units of a; "sees 80 %" is the smallest true relative difference that this comparison finds with 80 %
+    /// power.
     ///
     /// Exit status, as of diff: 0 no difference found, 1 the runs differ, 2 the input is wrong.
     Compare(compare::Options),

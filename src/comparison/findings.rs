@@ -58,8 +58,8 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Judges two samples, at least two values each; `pairs` says that value k of both came from the same random
-    /// numbers.
+    /// Judges two samples, at least two values each; `pairs` says that value k of both came from the same
+    /// random numbers.
     #[must_use]
     pub fn of(a: &[f64], b: &[f64], pairs: bool) -> Findings {
         let (mean_a, mean_b) = (statistics::mean(a), statistics::mean(b));
@@ -151,11 +151,8 @@ fn variances(a: &[f64], b: &[f64], pairs: bool) -> Option<Finding> {
         return None;
     }
     let (va, vb) = (statistics::variance(a), statistics::variance(b));
-    let (test, judged) = if pairs {
-        (paired(&ra, &rb), Judged::Paired)
-    } else {
-        (cautious(&ra, &rb), Judged::Independent)
-    };
+    let (test, judged) =
+        if pairs { (paired(&ra, &rb), Judged::Paired) } else { (cautious(&ra, &rb), Judged::Independent) };
     // Where all values lie equally far from the mean nothing tells how well the variance is known.
     let known = test.standard_error > 1e-9 * va.max(vb);
     known.then_some(Finding { a: va, b: vb, test, judged })
@@ -164,8 +161,8 @@ fn variances(a: &[f64], b: &[f64], pairs: bool) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Purpose, stream};
     use crate::random::Stream;
+    use crate::random::{Purpose, stream};
     use rand_distr::{Distribution, Exp1, Poisson};
 
     type Draw = fn(&mut Stream) -> f64;
@@ -184,8 +181,9 @@ mod tests {
 
     #[test]
     fn equal_distributions_rarely_differ() {
-        // 4000 repeats of each: at most 5 % of p below 5 % (standard deviation 0.35 %, four allowed: 6.4 %) and
-        // at most 0.1 % below 0.1 % (4 of them, twelve allowed, a chance of 3e-4 a case where the test is exact).
+        // 4000 repeats of each: at most 5 % of p below 5 % (standard deviation 0.35 %, four allowed: 6.4 %)
+        // and at most 0.1 % below 0.1 % (4 of them, twelve allowed, a chance of 3e-4 a case where the test is
+        // exact).
         for (k, draw) in CASES.into_iter().enumerate() {
             for sizes in [(10, 10), (200, 200), (400, 40), (40, 400)] {
                 let (mut mean, mut variance) = ([0; 2], [0; 2]);

@@ -1,10 +1,12 @@
-//! Two runs side by side: which means and variances differ, and what a difference would have to be to be seen.
+//! Two runs side by side: which means and variances differ, and what a difference would have to be to be
+//! seen.
 //!
 //! Every amount that both runs hold at the same time is tested for its mean and its variance; all these tests
-//! together give a false alarm with the chance `level` at most (Holm 1979). Runs of one seed share their random
-//! numbers realization by realization and are compared in pairs.
+//! together give a false alarm with the chance `level` at most (Holm 1979). Runs of one seed share their
+//! random numbers realization by realization and are compared in pairs.
 
 mod findings;
+mod shared;
 mod sides;
 mod sight;
 #[cfg(test)]
@@ -21,7 +23,7 @@ use crate::statistics::holm;
 use crate::tables::ComparisonRow;
 use rayon::prelude::*;
 use serde::Serialize;
-use sides::Shared;
+use shared::Shared;
 use sight::Sight;
 
 /// The power that the smallest difference seen is stated for.

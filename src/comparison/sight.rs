@@ -19,10 +19,7 @@ impl Sight {
     pub fn detectable(&mut self, freedom: f64) -> f64 {
         let freedom = three_digits(freedom);
         let (level, power) = (self.level, self.power);
-        *self
-            .known
-            .entry(freedom.to_bits())
-            .or_insert_with(|| statistics::detectable(freedom, level, power))
+        *self.known.entry(freedom.to_bits()).or_insert_with(|| statistics::detectable(freedom, level, power))
     }
 
     /// The chance that a true difference of so many standard errors is found.

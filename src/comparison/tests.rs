@@ -6,7 +6,8 @@ use crate::samples::{Columns, SeriesBlock};
 use crate::tables::SeriesTable;
 use rand_distr::{Distribution, Poisson};
 
-/// Runs of X in water, X in all (the same numbers), a constant K in all; `times` Poisson numbers of this mean.
+/// Runs of X in water, X in all (the same numbers), a constant K in all; `times` Poisson numbers of this
+/// mean.
 fn side(seed: u64, realizations: std::ops::Range<u32>, mean: f64, times: usize) -> Side {
     let columns = Columns {
         groups: ["water", "all", "all"].map(String::from).to_vec(),
@@ -58,7 +59,8 @@ fn runs_of_one_seed_are_pairs() {
     let same = compare(&a, &whole, &Question::default()).unwrap();
     assert!(!same.differs && same.rows.is_empty() && same.equal == 4, "{same:?}");
     assert!(same.verdict.contains("all 4 quantities are equal"), "{}", same.verdict);
-    // One molecule more in every third realization: nothing beside a spread of seven, but all pairs go one way.
+    // One molecule more in every third realization: nothing beside a spread of seven, but all pairs go one
+    // way.
     let mut b = whole.clone();
     for block in b.series.blocks.iter_mut().step_by(3) {
         block.amount[..2].iter_mut().for_each(|x| *x += 1.0);
@@ -86,7 +88,10 @@ fn what_does_not_fit_is_named() {
     let mut c = side(2, 0..10, 5.0, 8);
     c.series.columns.species = ["Y", "Y", "L"].map(String::from).to_vec();
     let text = fault(&a, &c, &Question::default());
-    assert!(text.contains("no quantity in common: X in water, X in all, K in all against Y in water"), "{text}");
+    assert!(
+        text.contains("no quantity in common: X in water, X in all, K in all against Y in water"),
+        "{text}"
+    );
     c.series.times.iter_mut().for_each(|t| *t += 0.5);
     let text = fault(&a, &c, &common);
     assert!(text.contains("the output times differ") && text.contains("no quantity"), "{text}");
@@ -113,8 +118,9 @@ fn fewer_questions_see_more() {
 
 #[test]
 fn differences_are_found_as_often_as_predicted_and_false_alarms_stay_at_the_level() {
-    // 400 repeats of 200 + 200 realizations at three times, of mean 50 and 53 (6 %): the share found at a time has a
-    // standard deviation below 2.5 %, five of them allowed, as the prediction itself is for one test alone.
+    // 400 repeats of 200 + 200 realizations at three times, of mean 50 and 53 (6 %): the share found at a
+    // time has a standard deviation below 2.5 %, five of them allowed, as the prediction itself is for one
+    // test alone.
     let (mut alarms, mut hits, mut predicted) = (0, 0, 0.0);
     for r in 0..400 {
         let a = side(1000 + r, 0..200, 50.0, 3);

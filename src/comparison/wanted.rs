@@ -21,7 +21,8 @@ impl Wanted {
     /// # Errors
     /// A time that is none; words that are left over.
     pub fn parse(text: &str) -> Result<Wanted, Fault> {
-        let remedy = "write a quantity as SPECIES in GROUP at TIME, e.g. \"RL in membrane at 0.8 s\", or a part of it";
+        let remedy =
+            "write a quantity as SPECIES in GROUP at TIME, e.g. \"RL in membrane at 0.8 s\", or a part of it";
         let padded = format!(" {} ", text.trim());
         let (rest, time) = match padded.rsplit_once(" at ") {
             Some((rest, time)) => (rest, Some(seconds(text, time.trim())?)),
@@ -72,7 +73,8 @@ impl Wanted {
             && !times.iter().any(|&t| near(t, wanted))
         {
             let nearest = times.iter().min_by(|a, b| (*a - wanted).abs().total_cmp(&(*b - wanted).abs()));
-            let remedy = nearest.map_or_else(String::new, |t| format!("the nearest time is {}", show(*t, "s")));
+            let remedy =
+                nearest.map_or_else(String::new, |t| format!("the nearest time is {}", show(*t, "s")));
             return Err(fault(format!("there is no output at {}", show(wanted, "s")), remedy));
         }
         let fits = |own: &Option<String>, name: &String| own.as_ref().is_none_or(|own| own == name);
@@ -93,7 +95,8 @@ impl Wanted {
 }
 
 fn seconds(text: &str, time: &str) -> Result<f64, Fault> {
-    let fault = |reason: String, remedy: String| Fault::general(format!("--only \"{text}\": {reason}"), remedy);
+    let fault =
+        |reason: String, remedy: String| Fault::general(format!("--only \"{text}\": {reason}"), remedy);
     let quantity = Quantity::parse(time).map_err(|f| fault(f.reason, f.remedy))?;
     if quantity.dimension == Dimension::TIME || quantity.dimension == Dimension::NONE {
         return Ok(quantity.value);

@@ -1,6 +1,6 @@
 //! A comparison in words: what was compared, the table, the verdict.
 
-use super::sides::list;
+use super::shared::list;
 use super::{Comparison, POWER, Pairing, SideRecord};
 use crate::quantity::readable::{show, significant};
 use crate::tables::ComparisonRow;
@@ -65,7 +65,8 @@ fn difference(row: &ComparisonRow) -> String {
     format!("{}, {} {size}", quantity(row), row.moment)
 }
 
-/// The smallest differences seen: `1.3 % or more in the mean of X in all at 60 s (3.5 % in half of 20 means, 12 % in all of them)`.
+/// The smallest differences seen: `1.3 % or more in the mean of X in all at 60 s (3.5 % in half of 20 means,
+/// 12 % in all of them)`.
 fn sight(rows: &[ComparisonRow], moment: &str) -> Option<String> {
     let mut known: Vec<&ComparisonRow> =
         rows.iter().filter(|row| row.moment == moment && row.detectable.is_finite()).collect();
@@ -94,7 +95,10 @@ impl Comparison {
             let _ = writeln!(out, "{words}");
         };
         let side = |side: &SideRecord| {
-            format!("{} ({}, seed {}, {} realizations)", side.folder, side.model, side.seed, side.realizations)
+            format!(
+                "{} ({}, seed {}, {} realizations)",
+                side.folder, side.model, side.seed, side.realizations
+            )
         };
         line(format!("a: {}", side(&self.a)));
         line(format!("b: {}", side(&self.b)));
@@ -102,12 +106,14 @@ impl Comparison {
             Pairing::Paired => "one seed: compared realization by realization, paired t tests".into(),
             Pairing::Independent => "independent realizations: Welch's t tests".into(),
         });
-        line(format!(
-            "{} means and {} variances (O'Brien), any false alarm with a chance of {} (Holm)",
-            self.means,
-            self.variances,
-            percent(self.level)
-        ));
+        if !self.rows.is_empty() {
+            line(format!(
+                "{} means and {} variances (O'Brien), any false alarm with a chance of {} (Holm)",
+                self.means,
+                self.variances,
+                percent(self.level)
+            ));
+        }
         for note in self.notes() {
             line(note);
         }

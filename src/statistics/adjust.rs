@@ -1,7 +1,7 @@
 //! Many tests at once: p values adjusted for their number.
 
-/// Adjusted p values of S. Holm, Scand. J. Statist. 6 (1979) 65: rejecting those at or below α makes any false
-/// rejection at most α likely, however the tests depend on each other. NaN stays and is not counted.
+/// Adjusted p values of S. Holm, Scand. J. Statist. 6 (1979) 65: rejecting those at or below α makes any
+/// false rejection at most α likely, however the tests depend on each other. NaN stays and is not counted.
 #[must_use]
 pub fn holm(p: &[f64]) -> Vec<f64> {
     let order = ascending(p);
@@ -14,9 +14,9 @@ pub fn holm(p: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Adjusted p values of Y. Benjamini & Y. Hochberg, J. R. Statist. Soc. B 57 (1995) 289: of those at or below α a
-/// share of at most α is false, on average, for tests that are independent or depend positively. NaN stays
-/// and is not counted.
+/// Adjusted p values of Y. Benjamini & Y. Hochberg, J. R. Statist. Soc. B 57 (1995) 289: of those at or below
+/// α a share of at most α is false, on average, for tests that are independent or depend positively. NaN
+/// stays and is not counted.
 #[must_use]
 pub fn benjamini_hochberg(p: &[f64]) -> Vec<f64> {
     let order = ascending(p);

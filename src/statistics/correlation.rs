@@ -5,8 +5,9 @@ use super::mean;
 /// The window grows until it is so many times the integral found within it.
 const WINDOW: f64 = 5.0;
 
-/// Coefficients of correlation of a series with itself at lags 0, 1, … below `lags`, about its own mean and divided by n,
-/// not n - lag (Priestley, Spectral Analysis and Time Series (1981), Eq. (5.3.13)). NaN for a constant series.
+/// Coefficients of correlation of a series with itself at lags 0, 1, … below `lags`, about its own mean and
+/// divided by n, not n - lag (Priestley, Spectral Analysis and Time Series (1981)). NaN for a constant
+/// series.
 #[must_use]
 pub fn autocorrelation(values: &[f64], lags: usize) -> Vec<f64> {
     let apart = deviations(values);
@@ -26,9 +27,10 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// The integrated autocorrelation time by a window that closes at five times the time found within it: N. Madras & A. D. Sokal,
-    /// J. Stat. Phys. 50 (1988) 109, appendix C; the bias of a mean from the same series is taken off as in
-    /// U. Wolff, Comput. Phys. Commun. 156 (2004) 143, Eq. (49). Trust it where the series is 50 times as long.
+    /// The integrated autocorrelation time by a window that closes at five times the time found within it: N.
+    /// Madras & A. D. Sokal, J. Stat. Phys. 50 (1988) 109, appendix C; the bias of a mean from the same
+    /// series is taken off as in U. Wolff, Comput. Phys. Commun. 156 (2004) 143, Eq. (49). Trust it where the
+    /// series is 50 times as long.
     ///
     /// None for a constant series or one of fewer than four values.
     #[must_use]
@@ -105,8 +107,8 @@ pub(super) mod tests {
             let values = autoregressive(n, a, &mut stream(1, key, Purpose::Reactions));
             let found = Memory::of(&values).unwrap();
             let exact = (1.0 + a) / (1.0 - a);
-            // Relative standard deviation √(2/ν) of τ (Madras & Sokal), five of them; where τ is below one it is
-            // that of the sum, of size one. The window leaves out exp(-5·2) of it.
+            // Relative standard deviation √(2/ν) of τ (Madras & Sokal), five of them; where τ is below one it
+            // is that of the sum, of size one. The window leaves out exp(-5·2) of it.
             let error = (2.0 / found.freedom).sqrt() * exact.max(1.0);
             assert!((found.steps - exact).abs() < 5.0 * error, "{a}: {found:?}");
             let rho = autocorrelation(&values, 4);

@@ -23,8 +23,8 @@ impl Interval {
     }
 }
 
-/// Of a mean with this standard error, Student (1908): `freedom` is the number of values less one, or what a time
-/// series is worth ([`super::TimeAverage`]). Confidence as a share, 0.95 for 95 %.
+/// Of a mean with this standard error, Student (1908): `freedom` is the number of values less one, or what a
+/// time series is worth ([`super::TimeAverage`]). Confidence as a share, 0.95 for 95 %.
 #[must_use]
 pub fn mean_interval(mean: f64, standard_error: f64, freedom: f64, confidence: f64) -> Interval {
     let half = standard_error * student_critical(1.0 - confidence, freedom);
@@ -45,8 +45,8 @@ pub fn proportion_interval(k: u64, n: u64, confidence: f64) -> Interval {
     Interval { low: ((centre - half) / scale).max(0.0), high: ((centre + half) / scale).min(1.0) }
 }
 
-/// Of a coefficient of correlation r of n pairs: R. A. Fisher, Metron 1 (1921) 3, atanh r normal with variance
-/// 1/(n - 3). Exact for two normal variables only. NaN below four pairs.
+/// Of a coefficient of correlation r of n pairs: R. A. Fisher, Metron 1 (1921) 3, atanh r normal with
+/// variance 1/(n - 3). Exact for two normal variables only. NaN below four pairs.
 #[must_use]
 pub fn correlation_interval(r: f64, n: u64, confidence: f64) -> Interval {
     if n < 4 || !(-1.0..=1.0).contains(&r) {
@@ -56,9 +56,9 @@ pub fn correlation_interval(r: f64, n: u64, confidence: f64) -> Interval {
     Interval { low: (r.atanh() - half).tanh(), high: (r.atanh() + half).tanh() }
 }
 
-/// Of the quantile at p of a sample in ascending order, between two order statistics: the number of values below
-/// the true quantile is binomial (W. R. Thompson, Ann. Math. Statist. 7 (1936) 122). Holds for any distribution,
-/// with more than the stated confidence for whole numbers.
+/// Of the quantile at p of a sample in ascending order, between two order statistics: the number of values
+/// below the true quantile is binomial (W. R. Thompson, Ann. Math. Statist. 7 (1936) 122). Holds for any
+/// distribution, with more than the stated confidence for whole numbers.
 #[must_use]
 pub fn quantile_interval(sorted: &[f64], p: f64, confidence: f64) -> Interval {
     if sorted.is_empty() || !(0.0..=1.0).contains(&p) || confidence.is_nan() {
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_mean_is_covered() {
-        // 20 values of an exponential distribution are skewed: t covers 92 % to 93 % there; 100 values 94.4 %.
+        // 5 normal values, exactly 95 %; 100 exponential values, whose skewness costs t a little.
         let normal = covered(1, |s| {
             let v: Vec<f64> = (0..5).map(|_| StandardNormal.sample(s)).collect();
             mean_interval(super::super::mean(&v), super::super::sem(&v), 4.0, 0.95).holds(0.0)
@@ -136,20 +136,20 @@ mod tests {
 
     #[test]
     fn quantiles_are_covered() {
-        // 101 exponential values; the binomial steps make the true cover 95.4 % (median) and 95.8 % (p = 0.9).
+        // 101 exponential values; the binomial steps make the true cover 95.4 % (median) and 95.5 % (0.9).
         for (seed, p) in [(4, 0.5), (5, 0.9)] {
             let share = covered(seed, |s| {
                 let mut v: Vec<f64> = (0..101).map(|_| Exp1.sample(s)).collect();
                 v.sort_by(f64::total_cmp);
                 quantile_interval(&v, p, 0.95).holds(-f64::ln(1.0 - p))
             });
-            assert!((0.93..=0.98).contains(&share), "{p}: {share}");
+            assert!((0.93..=0.975).contains(&share), "{p}: {share}");
         }
     }
 
     #[test]
     fn a_proportion_is_covered() {
-        // 200 trials of chance 0.1: the exact cover of Wilson's interval, summed over the binomial, is 95.4 %.
+        // 200 trials of chance 0.1: summed over the binomial, Wilson's interval covers 95.6 %.
         let share = covered(6, |s| {
             let k = (0..200).filter(|_| s.random::<f64>() < 0.1).count();
             proportion_interval(k as u64, 200, 0.95).holds(0.1)
@@ -168,7 +168,9 @@ mod tests {
         let z2 = normal_quantile(0.975).powi(2);
         let none = proportion_interval(0, 10, 0.95);
         assert!(none.low == 0.0 && (none.high - z2 / (10.0 + z2)).abs() < 1e-12);
-        assert!(correlation_interval(0.5, 3, 0.95).low.is_nan() && proportion_interval(0, 0, 0.95).low.is_nan());
+        assert!(
+            correlation_interval(0.5, 3, 0.95).low.is_nan() && proportion_interval(0, 0, 0.95).low.is_nan()
+        );
         assert_eq!(correlation_interval(1.0, 9, 0.95), Interval { low: 1.0, high: 1.0 });
     }
 }

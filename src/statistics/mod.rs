@@ -29,9 +29,7 @@ pub use comoments::CoMoments;
 pub use comparison::{convergence_order, relative_l2, standard_score};
 pub use correlation::{Memory, autocorrelation};
 pub use gamma::{chi_square_p_value, ln_gamma, regularised_gamma_p, regularised_gamma_q};
-pub use interval::{
-    Interval, correlation_interval, mean_interval, proportion_interval, quantile_interval,
-};
+pub use interval::{Interval, correlation_interval, mean_interval, proportion_interval, quantile_interval};
 pub use normal::{normal_cdf, normal_quantile, normal_tail};
 pub use power::{detectable, power};
 pub use quantiles::Quantiles;

@@ -6,8 +6,8 @@ use super::student::student_critical;
 /// From here on t is normal to four digits of its power.
 const MANY: f64 = 1e5;
 
-/// The chance that a two-sided t test at this level finds a true difference of so many standard errors: the tails of
-/// the noncentral t distribution, 1 - F(t_c; ν, δ) + F(-t_c; ν, δ), in either direction.
+/// The chance that a two-sided t test at this level finds a true difference of so many standard errors: the
+/// tails of the noncentral t distribution, 1 - F(t_c; ν, δ) + F(-t_c; ν, δ), in either direction.
 #[must_use]
 pub fn power(errors: f64, freedom: f64, level: f64) -> f64 {
     tails(errors, student_critical(level, freedom), freedom)
@@ -55,9 +55,9 @@ pub fn detectable(freedom: f64, level: f64, wanted: f64) -> f64 {
     x
 }
 
-/// The chance that (Z + δ)/s lies beyond ± the critical value, Z standard normal and ν s² a χ² of ν degrees of
-/// freedom: the mean over s, with u = ln s spaced evenly. The density of u, exp(ν (u - e^2u / 2)), is smooth and
-/// falls off fast on both sides, where such a sum converges faster than any power of the spacing.
+/// The chance that (Z + δ)/s lies beyond ± the critical value, Z standard normal and ν s² a χ² of ν degrees
+/// of freedom: the mean over s, with u = ln s spaced evenly. The density of u, exp(ν (u - e^2u / 2)), is
+/// smooth and falls off fast on both sides, where such a sum converges faster than any power of the spacing.
 fn tails(errors: f64, critical: f64, freedom: f64) -> f64 {
     let beyond = |s: f64| normal_tail(critical * s - errors) + normal_cdf(-critical * s - errors);
     if freedom.is_nan() || freedom <= 0.0 || errors.is_nan() || critical.is_nan() {
@@ -120,8 +120,9 @@ mod tests {
 
     #[test]
     fn a_tabulated_power() {
-        // J. Cohen, Statistical Power Analysis (1988): two groups of 64, difference half a standard deviation,
-        // two-sided 5 %: 0.80. δ = 0.5 √(64/2), 126 degrees of freedom; computed 0.801460 by the noncentral t.
+        // J. Cohen, Statistical Power Analysis (1988): two groups of 64, difference half a standard
+        // deviation, two-sided 5 %: 0.80. δ = 0.5 √(64/2), 126 degrees of freedom; computed 0.801460 by the
+        // noncentral t.
         let found = power(0.5 * 32f64.sqrt(), 126.0, 0.05);
         assert!((found - 0.801_460).abs() < 2e-6, "{found}");
     }

@@ -6,13 +6,14 @@ use serde::{Deserialize, Serialize};
 /// Quantiles of a stream: exact (type 7, as [`super::quantile`]) up to a number of values given beforehand, a
 /// sketch beyond.
 ///
-/// The sketch is a stack of levels after Manku, Rajagopalan & Lindsay, SIGMOD (1998), and Karnin, Lang & Liberty,
-/// FOCS (2016), without their coin: a value of level h stands for 2^h values. When more than `exact_up_to` values
-/// are kept, the lowest level that holds more than its equal share is sorted and every other value of it moves
-/// up, the odd and the even ones by turns. Each such step moves the rank of any number by at most 2^h; the sum of
-/// these steps is the bound [`Quantiles::rank_error`]: about log₂²(n/K)/K of all n values for K = `exact_up_to`,
-/// 0.4 % for a million values and K = 10 000. What is found is nearer, some 0.04 % there. Nothing is drawn: the
-/// same values in the same order, parts merged in the same order, give the same bits.
+/// The sketch is a stack of levels after Manku, Rajagopalan & Lindsay, SIGMOD (1998), and Karnin, Lang &
+/// Liberty, FOCS (2016), without their coin: a value of level h stands for 2^h values. When more than
+/// `exact_up_to` values are kept, the lowest level that holds more than its equal share is sorted and every
+/// other value of it moves up, the odd and the even ones by turns. Each such step moves the rank of any
+/// number by at most 2^h; the sum of these steps is the bound [`Quantiles::rank_error`]: about log₂²(n/K)/K
+/// of all n values for K = `exact_up_to`, 0.4 % for a million values and K = 10 000. What is found is nearer,
+/// some 0.04 % there. Nothing is drawn: the same values in the same order, parts merged in the same order,
+/// give the same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quantiles {
     exact_up_to: usize,
@@ -110,8 +111,8 @@ impl Quantiles {
         self.moved == 0
     }
 
-    /// Bound on the rank error as a share of the number of values: `get(p)` lies between the exact quantiles at
-    /// p - `rank_error` and p + `rank_error`. Zero while exact.
+    /// Bound on the rank error as a share of the number of values: `get(p)` lies between the exact quantiles
+    /// at p - `rank_error` and p + `rank_error`. Zero while exact.
     #[must_use]
     pub fn rank_error(&self) -> f64 {
         if self.moved == 0 {

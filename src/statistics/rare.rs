@@ -2,17 +2,17 @@
 
 use super::gamma::ln_gamma;
 
-/// Two-sided p of `a` events in `n` trials against `b` in `m` where the chance is the same: R. A. Fisher (1935), the
-/// sum over all tables with the same totals that are no more likely than this one. 1 where there is no trial.
+/// Two-sided p of `a` events in `n` trials against `b` in `m` where the chance is the same: R. A. Fisher
+/// (1935), the sum over all tables with the same totals that are no more likely than this one. 1 where there
+/// is no trial.
 #[must_use]
 pub fn fisher_exact(a: u64, n: u64, b: u64, m: u64) -> f64 {
     if n == 0 || m == 0 || a > n || b > m {
         return 1.0;
     }
     let events = a + b;
-    let choose = |n: u64, k: u64| {
-        ln_gamma(n as f64 + 1.0) - ln_gamma(k as f64 + 1.0) - ln_gamma((n - k) as f64 + 1.0)
-    };
+    let choose =
+        |n: u64, k: u64| ln_gamma(n as f64 + 1.0) - ln_gamma(k as f64 + 1.0) - ln_gamma((n - k) as f64 + 1.0);
     let whole = choose(n + m, events);
     let chance = |k: u64| (choose(n, k) + choose(m, events - k) - whole).exp();
     // Rounding of ln Γ must not part tables that are equally likely.

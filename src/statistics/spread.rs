@@ -2,13 +2,13 @@
 
 use super::{mean, variance};
 
-/// One number a value whose mean over the sample is the unbiased variance: R. G. O'Brien, Psychological Bulletin
-/// 89 (1981) 570, with w = 1/2,
+/// One number a value whose mean over the sample is the unbiased variance: R. G. O'Brien, Psychological
+/// Bulletin 89 (1981) 570, with w = 1/2,
 ///
 /// r = ((n - 1.5) n (x - x̄)² - 0.5 s² (n - 1)) / ((n - 1)(n - 2)).
 ///
-/// Their own spread tells how well the variance is known, whatever the distribution; a t test between the r of
-/// two samples (independent or paired) tests for a difference of variances and shows its size. Empty below
+/// Their own spread tells how well the variance is known, whatever the distribution; a t test between the r
+/// of two samples (independent or paired) tests for a difference of variances and shows its size. Empty below
 /// three values.
 #[must_use]
 pub fn obrien(values: &[f64]) -> Vec<f64> {
@@ -18,10 +18,7 @@ pub fn obrien(values: &[f64]) -> Vec<f64> {
     let n = values.len() as f64;
     let (centre, s2) = (mean(values), variance(values));
     let (scale, shift) = ((n - 1.5) * n, 0.5 * s2 * (n - 1.0));
-    values
-        .iter()
-        .map(|x| (scale * (x - centre) * (x - centre) - shift) / ((n - 1.0) * (n - 2.0)))
-        .collect()
+    values.iter().map(|x| (scale * (x - centre) * (x - centre) - shift) / ((n - 1.0) * (n - 2.0))).collect()
 }
 
 #[cfg(test)]

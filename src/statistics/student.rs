@@ -1,4 +1,5 @@
-//! Student's t distribution; the number of degrees of freedom need not be whole, and infinity gives the normal.
+//! Student's t distribution; the number of degrees of freedom need not be whole, and infinity gives the
+//! normal.
 
 use super::beta::beta_below;
 use super::normal::{normal_tail, normal_upper};
@@ -29,7 +30,7 @@ pub fn student_quantile(p: f64, freedom: f64) -> f64 {
 /// The t > 0 that |t| exceeds with chance p: 1.96 for p = 0.05 and many degrees of freedom.
 #[must_use]
 pub fn student_critical(p: f64, freedom: f64) -> f64 {
-    if p.is_nan() || p < 0.0 || p > 1.0 || freedom.is_nan() || freedom <= 0.0 {
+    if !(0.0..=1.0).contains(&p) || freedom.is_nan() || freedom <= 0.0 {
         return f64::NAN;
     }
     if p == 0.0 || p == 1.0 {

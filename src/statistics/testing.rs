@@ -20,7 +20,8 @@ pub struct Test {
 }
 
 impl Test {
-    /// A test of a difference with a standard error of so many degrees of freedom; NaN where the error is zero.
+    /// A test of a difference with a standard error of so many degrees of freedom; NaN where the error is
+    /// zero.
     #[must_use]
     pub fn new(difference: f64, standard_error: f64, freedom: f64) -> Test {
         let t = difference / standard_error;
@@ -41,8 +42,7 @@ impl Test {
 pub fn welch(a: &[f64], b: &[f64]) -> Test {
     let (va, vb) = (variance(a) / a.len() as f64, variance(b) / b.len() as f64);
     let whole = va + vb;
-    let freedom =
-        whole * whole / (va * va / (a.len() as f64 - 1.0) + vb * vb / (b.len() as f64 - 1.0));
+    let freedom = whole * whole / (va * va / (a.len() as f64 - 1.0) + vb * vb / (b.len() as f64 - 1.0));
     Test::new(mean(b) - mean(a), whole.sqrt(), freedom)
 }
 
@@ -59,8 +59,8 @@ pub fn pooled(a: &[f64], b: &[f64]) -> Test {
 /// Welch's test with a standard error no smaller than the pooled one.
 ///
 /// The two agree for samples of one size. A small sample of rare events may show none and so no variance; its
-/// own variance would then call the larger sample's few events a difference. The pooled one does not, and where the
-/// small sample has the larger variance Welch's error is the larger.
+/// own variance would then call the larger sample's few events a difference. The pooled one does not, and
+/// where the small sample has the larger variance Welch's error is the larger.
 #[must_use]
 pub fn cautious(a: &[f64], b: &[f64]) -> Test {
     let (own, common) = (welch(a, b), pooled(a, b));

@@ -13,17 +13,17 @@ pub struct TimeAverage {
     pub mean: f64,
     /// √(s² τ/n), τ the integrated autocorrelation time in steps; zero for a constant series.
     pub standard_error: f64,
-    /// Integral of the autocorrelation from zero on, in the unit of the spacing: T for a memory exp(-t/T). Half a
-    /// spacing if the values know nothing of each other, NaN for a constant series.
+    /// Integral of the autocorrelation from zero on, in the unit of the spacing: T for a memory exp(-t/T).
+    /// Half a spacing if the values know nothing of each other, NaN for a constant series.
     pub autocorrelation_time: f64,
     /// Independent values that would know the mean as well; NaN for a constant series.
     pub effective_samples: f64,
     /// Degrees of freedom of the standard error, for [`TimeAverage::interval`].
     pub freedom: f64,
-    /// J. Geweke, Bayesian Statistics 4 (1992) 169, Eq. (5): the mean of the first tenth less that of the second half in
-    /// standard errors; beyond 2 to 3 in size the start is not typical of the rest. Both errors are from the
-    /// second half, so that a drift at the start does not hide itself; normal where the series is stationary. NaN for a constant second
-    /// half that the start agrees with, infinite where it does not.
+    /// J. Geweke, Bayesian Statistics 4 (1992) 169: the mean of the first tenth less that of the second half
+    /// in standard errors; beyond 2 to 3 in size the start is not typical of the rest. Both errors are from
+    /// the second half, so that a drift at the start does not hide itself; normal where the series is
+    /// stationary. NaN for a constant second half that the start agrees with, infinite where it does not.
     pub stationarity: f64,
 }
 
@@ -57,9 +57,9 @@ impl TimeAverage {
         })
     }
 
-    /// Averages of independent realizations taken together: the standard error from their spread, which holds also
-    /// where realizations remember different starts; for a single one its own. The time is the mean of those known, the values
-    /// of z are joined as Σz/√R (Stouffer et al. 1949). None of none.
+    /// Averages of independent realizations taken together: the standard error from their spread, which holds
+    /// also where realizations remember different starts; for a single one its own. The time is the mean of
+    /// those known, the values of z are joined as Σz/√R (Stouffer et al. 1949). None of none.
     #[must_use]
     pub fn joined(parts: &[TimeAverage]) -> Option<TimeAverage> {
         let (&first, rest) = parts.split_first()?;
@@ -67,9 +67,8 @@ impl TimeAverage {
             return Some(first);
         }
         let all = |of: fn(&TimeAverage) -> f64| parts.iter().map(of).collect::<Vec<f64>>();
-        let known = |of: fn(&TimeAverage) -> f64| {
-            parts.iter().map(of).filter(|v| !v.is_nan()).collect::<Vec<f64>>()
-        };
+        let known =
+            |of: fn(&TimeAverage) -> f64| parts.iter().map(of).filter(|v| !v.is_nan()).collect::<Vec<f64>>();
         let (times, samples, z) =
             (known(|p| p.autocorrelation_time), known(|p| p.effective_samples), known(|p| p.stationarity));
         let means = all(|p| p.mean);
@@ -114,8 +113,8 @@ mod tests {
 
     #[test]
     fn intervals_of_time_averages_cover() {
-        // 1000 series of 4000 values, worth 200: the share covered by 95 % intervals has a standard deviation of
-        // 0.7 %, so 93 % to 97 % is missed with a chance of 0.4 % where the true cover is 95 %.
+        // 1000 series of 4000 values, worth 200: the share covered by 95 % intervals has a standard deviation
+        // of 0.7 %, so 93 % to 97 % is missed with a chance of 0.4 % where the true cover is 95 %.
         let (mut held, mut far, mut time) = (0, 0, 0.0);
         for r in 0..1000 {
             let values = autoregressive(4000, A, &mut stream(11, r, Purpose::Reactions));
@@ -128,7 +127,8 @@ mod tests {
         assert!((930..=970).contains(&held), "{held}");
         // 5 % of stationary series lie beyond 1.96, within 0.7 %; the first tenth is worth only 20 values.
         assert!((30..=75).contains(&far), "{far}");
-        // Half of 20 steps of 0.1 s, known to 30 % each, 1 % in the mean; the window leaves out or the bias takes a few %.
+        // Half of 20 steps of 0.1 s, known to 30 % each, 1 % in the mean of all; what bias is left is a few
+        // %.
         assert!((time - 1.0).abs() < 0.1, "{time}");
     }
 

@@ -89,11 +89,8 @@ pub fn write_comparison(path: &Path, rows: &[ComparisonRow]) -> Result<(), RunEr
     let text = |name: &str, of: fn(&ComparisonRow) -> &str| {
         frame::text(name, &rows.iter().map(of).collect::<Vec<_>>())
     };
-    let mut columns = vec![
-        text("group", |r| &r.group),
-        text("species", |r| &r.species),
-        text("moment", |r| r.moment),
-    ];
+    let mut columns =
+        vec![text("group", |r| &r.group), text("species", |r| &r.species), text("moment", |r| r.moment)];
     for (k, name) in NAMES.iter().enumerate() {
         columns.push(frame::reals(name, rows.iter().map(|r| r.numbers()[k]).collect()));
     }

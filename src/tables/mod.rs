@@ -22,7 +22,9 @@ pub use summary::{
     Bin, CovarianceRow, StatisticsRow, read_covariance, read_histograms, read_statistics, write_covariance,
     write_histograms, write_statistics,
 };
-pub use time_averages::{TimeAverageRow, read_time_averages, time_averages, write_time_averages};
+pub use time_averages::{
+    TimeAverageRow, averages_of, averages_of_all, read_time_averages, write_time_averages,
+};
 
 use crate::error::RunError;
 use std::io::Write;

@@ -21,13 +21,13 @@ pub struct TimeAverageRow {
     pub average: TimeAverage,
 }
 
-/// Time averages of amounts from the time `from` (s) on: each column's row of all realizations first, then one
-/// row a realization. None where there are fewer than twenty output times from there on, or they are not evenly spaced.
+/// Time averages of the amounts of one realization from the time `from` (s) on, one row a column. None where there
+/// are fewer than twenty output times from there on, or they are not evenly spaced.
 #[must_use]
-pub fn time_averages(
+pub fn averages_of(
     times: &[f64],
     columns: &Columns,
-    blocks: &[SeriesBlock],
+    block: &SeriesBlock,
     from: f64,
 ) -> Option<Vec<TimeAverageRow>> {
     let start = times.partition_point(|&t| t < from);
@@ -38,26 +38,30 @@ pub fn time_averages(
         return None;
     }
     let width = columns.len();
-    let mut sorted: Vec<&SeriesBlock> = blocks.iter().collect();
-    sorted.sort_by_key(|block| block.realization);
-    let mut rows = Vec::new();
-    for c in 0..width {
-        let row = |realization, average| TimeAverageRow {
-            realization,
+    let row = |c: usize| {
+        let values: Vec<f64> = block.amount.iter().skip(start * width + c).step_by(width).copied().collect();
+        Some(TimeAverageRow {
+            realization: Some(block.realization),
             group: columns.groups[c].clone(),
             species: columns.species[c].clone(),
-            average,
-        };
-        let mut single = Vec::new();
-        for block in &sorted {
-            let values: Vec<f64> = block.amount.iter().skip(start * width + c).step_by(width).copied().collect();
-            single.push((block.realization, TimeAverage::of(&values, spacing)?));
-        }
-        let averages: Vec<TimeAverage> = single.iter().map(|(_, average)| *average).collect();
-        rows.push(row(None, TimeAverage::joined(&averages)?));
-        rows.extend(single.into_iter().map(|(realization, average)| row(Some(realization), average)));
-    }
-    Some(rows)
+            average: TimeAverage::of(&values, spacing)?,
+        })
+    };
+    (0..width).map(row).collect()
+}
+
+/// One row a column for all realizations together, of rows in order of realization and column as
+/// [`averages_of`] gives them.
+#[must_use]
+pub fn averages_of_all(rows: &[TimeAverageRow], columns: usize) -> Vec<TimeAverageRow> {
+    let joined = |c: usize| {
+        let parts: Vec<&TimeAverageRow> = rows.iter().skip(c).step_by(columns).collect();
+        let averages: Vec<TimeAverage> = parts.iter().map(|row| row.average).collect();
+        let first = *parts.first()?;
+        let average = TimeAverage::joined(&averages)?;
+        Some(TimeAverageRow { realization: None, average, ..first.clone() })
+    };
+    (0..columns).filter_map(joined).collect()
 }
 
 /// Writes `tables/time_averages.parquet` below `dir`; `realization` is null for all together.
@@ -132,16 +136,19 @@ mod tests {
                 .collect(),
             concentration: vec![0.0; 120],
         };
-        ((0..60).map(|k| 0.1 * f64::from(k)).collect(), columns, vec![block(4), block(3)])
+        ((0..60).map(|k| 0.1 * f64::from(k)).collect(), columns, vec![block(3), block(4)])
     }
 
     #[test]
     fn what_is_written_is_read_back() {
         let (times, columns, blocks) = example();
-        let rows = time_averages(&times, &columns, &blocks, 0.0).unwrap();
+        let mut rows: Vec<TimeAverageRow> =
+            blocks.iter().flat_map(|block| averages_of(&times, &columns, block, 0.0).unwrap()).collect();
+        rows.extend(averages_of_all(&rows, columns.len()));
         let order: Vec<Option<u32>> = rows.iter().map(|r| r.realization).collect();
-        assert_eq!(order, [None, Some(3), Some(4), None, Some(3), Some(4)]);
-        assert_eq!((rows[3].average.mean, rows[4].average.standard_error), (3.5, 0.0));
+        assert_eq!(order, [Some(3), Some(3), Some(4), Some(4), None, None]);
+        let (single, all) = (&rows[1], &rows[5]);
+        assert_eq!((all.species.as_str(), all.average.mean, single.average.standard_error), ("B", 3.5, 0.0));
         let dir = tempfile::tempdir().unwrap();
         write_time_averages(dir.path(), &rows).unwrap();
         let back = read_time_averages(dir.path()).unwrap();
@@ -152,11 +159,9 @@ mod tests {
     #[test]
     fn too_few_or_uneven_times_give_none() {
         let (mut times, columns, blocks) = example();
-        assert!(time_averages(&times, &columns, &blocks, 3.9).is_some());
-        assert!(time_averages(&times, &columns, &blocks, 4.2).is_none());
-        assert!(time_averages(&times, &columns, &blocks, 99.0).is_none());
+        let known = |times: &[f64], from: f64| averages_of(times, &columns, &blocks[0], from).is_some();
+        assert!(known(&times, 3.9) && !known(&times, 4.2) && !known(&times, 99.0));
         times[30] += 0.05;
-        assert!(time_averages(&times, &columns, &blocks, 0.0).is_none());
-        assert!(time_averages(&times, &columns, &blocks, 3.2).is_some());
+        assert!(!known(&times, 0.0) && known(&times, 3.2));
     }
 }
