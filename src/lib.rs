@@ -19,7 +19,7 @@
 //! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
 //! | [`comparison`] | two runs side by side: what differs, what would have been seen |
 //! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
-//! | [`ensemble`], [`results`] | a block of realizations from plan to folder; joining blocks |
+//! | [`ensemble`] | many realizations from plan to tables: journal, states to resume from, joining blocks |
 //! | [`import`] | models of other programs (SBML) -> files as a user would write them |
 //! | [`validation`], [`cli`] | published cases; the command line |
 //!
@@ -75,7 +75,6 @@ pub mod vtk;
 
 pub mod ensemble;
 pub mod import;
-pub mod results;
 pub mod validation;
 
 pub mod cli;
