@@ -56,6 +56,9 @@ pub struct RunRecord {
     /// Distributions asked for.
     pub histograms: Vec<HistogramRecord>,
     pub steps: StepsRecord,
+    /// If the run went on until a number was known well enough.
+    #[serde(default)]
+    pub precision: Option<PrecisionRecord>,
     /// Where hybrid species were carried how.
     #[serde(default)]
     pub hybrid: Vec<HybridRecord>,
@@ -156,6 +159,23 @@ pub struct StepsRecord {
     /// Estimate of the relative error of splitting, where something is split; in mean field.
     #[serde(default)]
     pub splitting_error: Option<f64>,
+}
+
+/// How well a mean is known.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PrecisionRecord {
+    /// E.g. `RL in membrane at 0.8 s`.
+    pub quantity: String,
+    /// Molecules.
+    pub mean: f64,
+    /// Half the width of the confidence interval of the mean, molecules.
+    pub half_width: f64,
+    pub confidence: f64,
+    /// Half width over mean that was asked for.
+    pub asked: f64,
+    pub reached: bool,
+    /// Realizations at each look at the interval.
+    pub looks: Vec<u32>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

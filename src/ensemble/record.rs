@@ -65,6 +65,7 @@ pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usiz
             })
             .collect(),
         steps,
+        precision: None,
         hybrid: Vec::new(),
         health: Health::default(),
         performance: Performance { threads, ..Performance::default() },

@@ -11,6 +11,7 @@ pub mod load;
 pub mod names;
 pub mod node;
 pub mod output;
+pub mod precision;
 pub mod probes;
 pub mod reactions;
 pub mod reader;
@@ -27,6 +28,7 @@ pub use fluid::FluidModel;
 pub use groups::{Group, Material};
 pub use initial::{Amount, Deal, Initial};
 pub use output::{Output, Run};
+pub use precision::Precision;
 pub use probes::{Probe, ProbeShape};
 
 /// A checked model, everything in SI units, groups and species by index.

@@ -89,6 +89,7 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
             },
         ],
         histograms: vec![],
+        precision: None,
         steps: StepsRecord {
             fluid: Some(StepRecord { step: 1e-6, count: 2_000_000, limited_by: "speed of sound".into() }),
             chemistry: Some(StepRecord { step: 1e-4, count: 20_000, limited_by: "diffusion of L".into() }),
