@@ -108,9 +108,9 @@ impl Comparison {
         });
         if !self.rows.is_empty() {
             line(format!(
-                "{} means and {} variances (O'Brien), any false alarm with a chance of {} (Holm)",
-                self.means,
-                self.variances,
+                "{} and {} (O'Brien), any false alarm with a chance of {} (Holm)",
+                counted(self.means, "mean", "means"),
+                counted(self.variances, "variance", "variances"),
                 percent(self.level)
             ));
         }
@@ -133,10 +133,16 @@ impl Comparison {
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.equal > 0 {
-            notes.push(format!("left out: {} equal in every realization", counted(self.equal)));
+            notes.push(format!(
+                "left out: {} equal in every realization",
+                counted(self.equal, "quantity", "quantities")
+            ));
         }
         if self.repeated > 0 {
-            notes.push(format!("left out: {} with the numbers of another group", counted(self.repeated)));
+            notes.push(format!(
+                "left out: {} with the numbers of another group",
+                counted(self.repeated, "quantity", "quantities")
+            ));
         }
         for (side, names, times) in
             [("a", &self.only_a, &self.times_only_a), ("b", &self.only_b, &self.times_only_b)]
@@ -201,6 +207,6 @@ impl Comparison {
     }
 }
 
-fn counted(quantities: usize) -> String {
-    if quantities == 1 { "1 quantity".into() } else { format!("{quantities} quantities") }
+fn counted(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
 }
