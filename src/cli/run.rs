@@ -80,7 +80,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
         NotReady::Model(error) => Stop::Model(error),
         NotReady::Run(error) => Stop::Run(error),
     })?;
-    let mut record = ensemble::record(&plan, &block, ready.steps(), threads);
+    let mut record = ensemble::record(&plan, &block, &ready, threads);
     // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
     let watch = Watch::on_terminal(options.quiet);
     let held = claim(&dir, &record, &earlier)?;

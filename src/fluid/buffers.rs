@@ -18,14 +18,14 @@ impl<const D: usize> Flow<D> {
         openings.rim.clear();
         openings.marked = vec![false; self.sides.len()];
         openings.touched = vec![false; self.blocks.len()];
-        for (i, own) in self.own.iter().enumerate() {
-            match openings.zones[own.id as usize] {
+        for (i, side) in self.sides.iter().enumerate() {
+            match openings.zones[side.id as usize] {
                 Zone::Buffer(end) => {
                     openings.buffer.push((i as u32, end));
                     openings.marked[i] = true;
                     openings.touched[i / Block::<D>::SIZE] = true;
                 }
-                Zone::Inside if !self.sides[i].is_solid() => {
+                Zone::Inside if !side.is_solid() => {
                     let close = |end: u8| {
                         matches!(openings.open.ends[usize::from(end)], End::Velocity(_))
                             && self.beyond(axis, end, &self.positions[i]) > -near

@@ -10,7 +10,8 @@ use crate::fluid::blocks::{Block, build_blocks};
 use crate::fluid::flow::Flow;
 use crate::fluid::mirror::{Continuation, Moving, mirror};
 use crate::fluid::order::along_a_curve;
-use crate::fluid::pass::sweep_reactions;
+use crate::fluid::particles::Side;
+use crate::fluid::pass::{Rates, sweep_reactions};
 use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
 use crate::fluid::terms::continuity::corrected_rate;
@@ -31,8 +32,29 @@ impl<const D: usize> Flow<D> {
     /// [`RunError::BlowUp`] when a density leaves 80-120 % of its rest value, a number is lost, or a particle
     /// leaves the box through a wall.
     pub fn advance(&mut self, dt: f64, steps: u64) -> Result<(), RunError> {
+        self.advance_until(dt, steps, &|| false).map(drop)
+    }
+
+    /// As [`Flow::advance`], but ends before the step at which `stop` says so; the number of steps taken.
+    ///
+    /// # Errors
+    /// As [`Flow::advance`].
+    pub fn advance_until(
+        &mut self,
+        dt: f64,
+        steps: u64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<u64, RunError> {
         // On a thread of the pool from the start, so that no sweep has to wake one for itself.
-        rayon::scope(|_| (0..steps).try_for_each(|_| self.step(dt)))
+        rayon::scope(|_| {
+            for taken in 0..steps {
+                if stop() {
+                    return Ok(taken);
+                }
+                self.step(dt)?;
+            }
+            Ok(steps)
+        })
     }
 
     /// Advances by `duration` (s) in equal steps of at most the step limit, up to t = 0: until then walls that
@@ -41,16 +63,30 @@ impl<const D: usize> Flow<D> {
     /// # Errors
     /// As [`Flow::advance`].
     pub fn settle(&mut self, duration: f64) -> Result<(), RunError> {
+        self.settle_until(duration, &|| false).map(drop)
+    }
+
+    /// As [`Flow::settle`], but ends before the step at which `stop` says so; whether it came to t = 0.
+    ///
+    /// # Errors
+    /// As [`Flow::advance`].
+    pub fn settle_until(
+        &mut self,
+        duration: f64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<bool, RunError> {
         if duration <= 0.0 {
-            return Ok(());
+            return Ok(true);
         }
         let steps = (duration / self.step_limit().seconds).ceil().max(1.0);
         self.time = -duration;
         self.hold_bodies();
-        self.advance(duration / steps, steps as u64)?;
+        if self.advance_until(duration / steps, steps as u64, stop)? < steps as u64 {
+            return Ok(false);
+        }
         self.time = 0.0;
         self.release_bodies();
-        Ok(())
+        Ok(true)
     }
 
     /// Kick, drift, density, walls, forces, bounce, kick.
@@ -58,6 +94,7 @@ impl<const D: usize> Flow<D> {
         if self.terms.noise.is_some() && dt != self.noise_step {
             self.redraw(dt);
         }
+        self.step_length = dt;
         self.kick_and_drift(dt);
         self.kick_and_drift_bodies(dt);
         self.time += dt;
@@ -212,13 +249,9 @@ impl<const D: usize> Flow<D> {
     /// What the sweep of densities leaves for that of forces besides densities: the second moments of the fluid and
     /// the reach of solids.
     pub(super) fn moments(&mut self) {
-        let some = self.terms.moment.is_some();
+        let corrected = self.terms.moment.is_some();
         for (side, rates) in self.sides.iter_mut().zip(&self.rates) {
-            if side.is_solid() {
-                side.reach = rates.density;
-            } else if some {
-                (side.moment, side.uneven) = Moment.correction(&rates.moment);
-            }
+            note(side, rates, corrected);
         }
     }
 
@@ -242,11 +275,13 @@ impl<const D: usize> Flow<D> {
                 let (mut worst, mut fault) = (0.0_f64, None::<(usize, Option<usize>)>);
                 let all = sides.iter_mut().zip(own).zip(rates).zip(positions).enumerate();
                 for (row, (((side, own), rates), place)) in all {
-                    own.fraction = rates.fraction;
+                    note(side, rates, corrected);
                     if side.is_solid() {
-                        side.reach = rates.density;
+                        // A block without fluid in reach is not swept for walls.
+                        own.fraction = 1.0;
                         continue;
                     }
+                    own.fraction = rates.fraction;
                     let mut rate = rates.density;
                     if spread {
                         rate += corrected_rate(side.density, &rates.moment, &rates.spread);
@@ -254,9 +289,6 @@ impl<const D: usize> Flow<D> {
                     side.density += dt * rate - drift * own.rest_density;
                     side.pressure = state.pressure(side.density, own.rest_density, c);
                     side.volume = own.mass / side.density;
-                    if corrected {
-                        (side.moment, side.uneven) = Moment.correction(&rates.moment);
-                    }
                     let change = (side.density / own.rest_density - 1.0).abs();
                     // Without a place there are no neighbours, and so no change of density that could tell.
                     let lost = !place.iter().chain(side.velocity.iter()).all(|x| x.is_finite());
@@ -429,16 +461,14 @@ impl<const D: usize> Flow<D> {
     fn passage(&self) -> f64 {
         self.kernel.cutoff() / self.setup.reference_speed
     }
+}
 
-    /// The fault of particle `i` (in the present order) at the present step.
-    pub(super) fn blow_up(&self, i: usize, quantity: &str, value: f64) -> RunError {
-        RunError::BlowUp {
-            step: self.steps,
-            time: self.time,
-            particle: self.own[i].id as usize,
-            quantity: quantity.to_owned(),
-            value,
-            remedy: "take a shorter fluid step, or a larger sound speed or pressure scale".to_owned(),
-        }
+/// Takes what the sweep of densities found for that of forces.
+#[inline(always)]
+fn note<const D: usize>(side: &mut Side<D>, rates: &Rates<D>, corrected: bool) {
+    if side.is_solid() {
+        side.reach = rates.density;
+    } else if corrected {
+        (side.moment, side.uneven) = Moment.correction(&rates.moment);
     }
 }

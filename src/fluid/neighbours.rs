@@ -74,11 +74,23 @@ impl<const D: usize> Grid<D> {
         &self,
         point: &Vector<D>,
         positions: &[Vector<D>],
+        see: impl FnMut(usize, Vector<D>, f64),
+    ) {
+        self.for_each_near_after(point, positions, 0, see);
+    }
+
+    /// As [`Grid::for_each_near`] of the points from number `first` on.
+    #[inline]
+    pub fn for_each_near_after(
+        &self,
+        point: &Vector<D>,
+        positions: &[Vector<D>],
+        first: usize,
         mut see: impl FnMut(usize, Vector<D>, f64),
     ) {
         let limit = self.cutoff * self.cutoff;
         self.for_each_cell(self.cell(&self.domain.wrap(point)), |points| {
-            for &j in points {
+            for &j in points.iter().filter(|&&j| j as usize >= first) {
                 let x = self.domain.separation(point, &positions[j as usize]);
                 let r2 = x.norm_squared();
                 if r2 < limit {

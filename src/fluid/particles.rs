@@ -58,8 +58,6 @@ impl<const D: usize> Side<D> {
 /// What a particle keeps to itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Own<const D: usize> {
-    /// Index in [`Setup::particles`](crate::fluid::Setup).
-    pub id: u32,
     /// Mass per unit thickness, kg/m^(3-D); of a solid without meaning.
     pub mass: f64,
     /// Density at zero pressure, kg/m³; of a solid that of the lightest fluid.

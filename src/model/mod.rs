@@ -24,7 +24,7 @@ use crate::record::ModelText;
 
 pub use conditions::Condition;
 pub use domain::{Boundary, Domain, ParticleDomain};
-pub use fluid::FluidModel;
+pub use fluid::{FluidModel, FluidPlaces};
 pub use groups::{Group, Material};
 pub use initial::{Amount, Deal, Initial};
 pub use output::{Output, Run};

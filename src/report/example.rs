@@ -98,6 +98,24 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
             shared_flow: true,
             splitting_error: Some(2e-4),
         },
+        fluid: Some(FluidRecord {
+            method: "sph_bvf".into(),
+            density: 1000.0,
+            viscosity: 1e-3,
+            sound_speed: 20e-3,
+            speed: 2e-3,
+            speed_of: "fluid.speed".into(),
+            length: 25e-6,
+            length_of: "the width between the walls along y".into(),
+            mach: 0.1,
+            reynolds: 0.05,
+            noise: Some(NoiseRecord {
+                temperature: 300.0,
+                energy: 4.14e-21,
+                thermal_speed: 4e-6,
+                friction: "morris".into(),
+            }),
+        }),
         hybrid: vec![],
         health: Health {
             conservation: vec![
@@ -114,6 +132,7 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
             bounces: Some(123_456),
             largest_mach: Some(0.08),
             largest_density_change: Some(0.011),
+            temperature: Some(TemperatureRecord { mean: 299.0, looks: 21 }),
             warnings: vec!["the spacing resolves the membrane with 3 particles".into()],
             ..Default::default()
         },
@@ -263,6 +282,11 @@ fn the_page_of_a_run_stands_alone() {
         assert!(dir.join(format!("figures/{name}.png")).exists(), "{name}");
     }
     assert!(dir.join("figures/amounts.svg").exists() && !dir.join("figures/field_L.svg").exists());
+    for words in
+        ["Fluid</h3>", "sound speed c₀", "Reynolds number (length 25 µm", "299 K (21 looks)", "1.1 %"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
     assert!(page.contains("data:image/png;base64,") && page.contains("&lt;made up&gt;"));
     assert!(!page.contains("<script") && !page.contains("src=\"http") && !page.contains(">NaN"));
     let drawn = |name: &str| std::fs::read(dir.join("figures").join(name)).unwrap();
