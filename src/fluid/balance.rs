@@ -61,6 +61,7 @@ impl<const D: usize> Flow<D> {
                 side.density = state.density(p - sum / volume, own.rest_density, c);
                 side.pressure = state.pressure(side.density, own.rest_density, c);
                 side.volume = own.mass / side.density;
+                side.invert();
             }
         }
     }

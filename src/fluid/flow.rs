@@ -40,7 +40,11 @@ pub struct Flow<const D: usize> {
     pub(super) openings: Option<Openings<D>>,
     /// Bodies whose reaction is asked for.
     pub(super) asks: Vec<bool>,
-    /// Bound on how far any particle moved since the lists were built, m.
+    /// Where the particles were when the lists were built, m.
+    pub(super) listed: Vec<Vector<D>>,
+    /// How far fluid is at most from there at the last drift, m.
+    pub(super) strayed: f64,
+    /// Bound on how far solids moved since, m.
     pub(super) travel: f64,
     pub(super) time: f64,
     pub(super) steps: u64,
@@ -122,6 +126,8 @@ impl<const D: usize> Flow<D> {
                 drift: Vector::zeros(),
                 density,
                 volume: placed.volume,
+                inverse_density: 1.0 / density,
+                inverse_root: 1.0 / placed.volume.sqrt(),
                 id: id as u32,
                 material,
                 body: placed.body,
@@ -183,6 +189,8 @@ impl<const D: usize> Flow<D> {
             solids: Vec::new(),
             openings,
             asks,
+            listed: Vec::new(),
+            strayed: 0.0,
             travel: 0.0,
             time: 0.0,
             steps: 0,

@@ -100,7 +100,7 @@ impl<const D: usize> Flow<D> {
         self.time += dt;
         self.steps += 1;
         self.carry_solids();
-        if self.travel > 0.5 * self.setup.skin {
+        if self.travel.max(self.strayed) > 0.5 * self.setup.skin {
             self.pass_ends()?;
             self.check_bodies()?;
             if self.tally.rebuilds.is_multiple_of(SORTING) {
@@ -126,6 +126,8 @@ impl<const D: usize> Flow<D> {
     /// longer one.
     fn redraw(&mut self, dt: f64) {
         self.begin_noise(dt);
+        // At the places of now: those of the last sweep are not kept with a state, and walls moved some particles since.
+        self.find_contacts();
         let (terms, kernel, sides, gravity) = (&self.terms, &self.kernel, &self.sides, self.setup.gravity);
         let asks = &self.asks;
         let asked = asks.iter().any(|&asks| asks);
@@ -139,7 +141,7 @@ impl<const D: usize> Flow<D> {
                     sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
                 }
                 for ((rates, own), side) in rates.iter().zip(own).zip(&sides[block.first..]) {
-                    own.acceleration = rates.force / side.density + gravity + own.lift;
+                    own.acceleration = rates.force * side.inverse_density + gravity + own.lift;
                 }
             });
         self.load_bodies(0.0);
@@ -157,29 +159,31 @@ impl<const D: usize> Flow<D> {
     /// v += dt/2 a, sponges, x += dt (v + w), for the fluid.
     fn kick_and_drift(&mut self, dt: f64) {
         let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
-        let (fastest, transport) = self
+        let (fastest, strayed) = self
             .positions
             .par_chunks_mut(Block::<D>::SIZE)
             .zip(self.sides.par_chunks_mut(Block::<D>::SIZE))
             .zip(self.own.par_chunks(Block::<D>::SIZE))
-            .map(|((positions, sides), own)| {
-                let (mut fastest, mut transport) = (0.0_f64, 0.0_f64);
-                for ((position, side), own) in positions.iter_mut().zip(sides).zip(own) {
+            .zip(self.listed.par_chunks(Block::<D>::SIZE))
+            .map(|(((positions, sides), own), listed)| {
+                let (mut fastest, mut strayed) = (0.0_f64, 0.0_f64);
+                for (((position, side), own), listed) in positions.iter_mut().zip(sides).zip(own).zip(listed)
+                {
                     if side.is_solid() {
                         continue;
                     }
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
-                    let carried = side.velocity + side.drift;
-                    *position += carried * dt;
+                    *position += (side.velocity + side.drift) * dt;
                     fastest = fastest.max(side.velocity.norm_squared());
-                    transport = transport.max(carried.norm_squared());
+                    // From where it was listed, not along its way: noise turns it back again and again.
+                    strayed = strayed.max((*position - listed).norm_squared());
                 }
-                (fastest, transport)
+                (fastest, strayed)
             })
             .reduce(|| (0.0, 0.0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
         self.tally.largest_speed = self.tally.largest_speed.max(fastest.sqrt());
-        self.travel += dt * transport.sqrt();
+        self.strayed = strayed.sqrt();
     }
 
     /// Solids to their place and velocity of now.
@@ -225,13 +229,16 @@ impl<const D: usize> Flow<D> {
 
     /// Builds the lists anew.
     pub(super) fn rebuild(&mut self) {
-        for position in &mut self.positions {
-            *position = self.domain.wrap(position);
-        }
+        let domain = &self.domain;
+        self.positions
+            .par_iter_mut()
+            .with_min_len(4096)
+            .for_each(|position| *position = domain.wrap(position));
         let radius = self.kernel.cutoff() + self.setup.skin;
         let mutual = self.terms.are_mutual();
         build_blocks(&mut self.blocks, &self.positions, &self.sides, &self.domain, radius, mutual);
-        self.travel = 0.0;
+        self.listed.clone_from(&self.positions);
+        (self.travel, self.strayed) = (0.0, 0.0);
         self.tally.rebuilds += 1;
         self.note_ends();
     }
@@ -289,6 +296,7 @@ impl<const D: usize> Flow<D> {
                     side.density += dt * rate - drift * own.rest_density;
                     side.pressure = state.pressure(side.density, own.rest_density, c);
                     side.volume = own.mass / side.density;
+                    side.invert();
                     let change = (side.density / own.rest_density - 1.0).abs();
                     // Without a place there are no neighbours, and so no change of density that could tell.
                     let lost = !place.iter().chain(side.velocity.iter()).all(|x| x.is_finite());
@@ -378,6 +386,7 @@ impl<const D: usize> Flow<D> {
             side.velocity = shown.velocity;
             side.pressure = shown.pressure;
             side.density = state.density(shown.pressure, self.own[i as usize].rest_density, c);
+            side.invert();
         }
     }
 
@@ -396,7 +405,7 @@ impl<const D: usize> Flow<D> {
             spacing: self.setup.spacing,
             closed: self.closed_axes(),
         };
-        let (bounces, penetrations, furthest) = self
+        let (bounces, penetrations) = self
             .blocks
             .par_iter()
             .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
@@ -405,26 +414,24 @@ impl<const D: usize> Flow<D> {
                 if asked {
                     sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
                 }
-                let (mut bounces, mut inside, mut furthest) = (0, 0, 0.0_f64);
+                let (mut bounces, mut inside) = (0, 0);
                 for (row, rates) in rates.iter_mut().enumerate() {
                     if !sides[block.first + row].is_solid() {
                         let result = obstacles.bounce(block, row, rates.fraction, positions, sides);
                         rates.correction = result.correction;
                         bounces += u64::from(result.bounced);
                         inside += u64::from(result.inside);
-                        furthest = furthest.max(result.correction.norm_squared());
                     }
                 }
-                (bounces, inside, furthest)
+                (bounces, inside)
             })
-            .reduce(|| (0, 0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2.max(b.2)));
+            .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         if !self.solids.is_empty() && self.continues_by_parabola() {
             let own = self.own.par_chunks_mut(Block::<D>::SIZE);
             self.blocks.par_iter().zip(own).for_each(|(block, own)| Self::bend(block, own, terms, sides));
         }
         self.tally.bounces += bounces;
         self.tally.penetrations += penetrations;
-        self.travel += furthest.sqrt();
     }
 
     /// Corrected positions, acceleration, v += dt/2 a, sponges, and the shift of the next drift.
@@ -443,7 +450,7 @@ impl<const D: usize> Flow<D> {
                         continue;
                     }
                     *position += rates.correction;
-                    own.acceleration = rates.force / side.density + gravity + own.lift;
+                    own.acceleration = rates.force * side.inverse_density + gravity + own.lift;
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
                     if let Some(shift) = shift {

@@ -112,14 +112,13 @@ impl<const D: usize> Flow<D> {
             let i = &sides[block.first + row];
             let mut friction = Vector::zeros();
             for c in block.outer.row(row) {
-                let j = &sides[c.j as usize];
-                let apart = i.velocity - j.velocity;
-                friction += terms.friction::<false>(makeup, &Pair::new(&c), (i, j), &apart) * j.volume;
+                let (j, p) = (&sides[c.j as usize], Pair::new(&c));
+                friction +=
+                    terms.friction::<false>(makeup, &p, (i, j), &(i.velocity - j.velocity)) * j.volume;
             }
             for c in block.row(row) {
-                let j = &sides[c.j as usize];
-                let apart = i.velocity - j.velocity;
-                friction += terms.friction::<true>(makeup, &Pair::new(&c), (i, j), &apart) * j.volume;
+                let (j, p) = (&sides[c.j as usize], Pair::new(&c));
+                friction += terms.friction::<true>(makeup, &p, (i, j), &(i.velocity - j.velocity)) * j.volume;
             }
             own.bend = if i.viscosity > 0.0 { friction / i.viscosity } else { Vector::zeros() };
         }

@@ -4,10 +4,10 @@
 //! | file | idea |
 //! |---|---|
 //! | [`kernel`], [`domain`], [`neighbours`] | W and its gradient; the box; who is near whom |
-//! | [`order`], [`blocks`] | particles in the order of a space-filling curve; neighbour lists in blocks of them |
+//! | [`order`], [`candidates`], [`blocks`] | particles in the order of a space-filling curve; who may come near whom; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
 //! | [`particles`], [`pass`], [`physics`], [`terms`] | state; the sweeps over pairs; what they add up; one equation each |
-//! | [`wide`] | the sweeps once more for processors with AVX2 |
+//! | [`wide`] | the sweeps and the lists once more for processors with AVX2 |
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`], `fault` | the flow as a whole; one time step; the longest stable one; what is said when it blows up |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
@@ -23,6 +23,7 @@ mod balance;
 pub mod blocks;
 pub mod bodies;
 mod buffers;
+pub mod candidates;
 pub mod deform;
 pub mod domain;
 pub mod exchange;

@@ -119,7 +119,7 @@ impl<const D: usize> Terms<D> {
         let rub = eta * p.f;
         let other = if SOLID { i } else { j };
         if makeup.moment {
-            rub * Moment.pair(&p.x, &i.moment, &other.moment, i.uneven || other.uneven)
+            rub * Moment.pair(p, &i.moment, &other.moment, i.uneven || other.uneven)
         } else {
             rub
         }

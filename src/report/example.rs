@@ -2,6 +2,7 @@
 
 use super::write;
 use crate::record::*;
+use crate::statistics::Summary;
 use crate::tables::*;
 use rand::Rng;
 use rand_distr::{Distribution, Poisson};
@@ -217,7 +218,12 @@ pub fn example(dir: &Path, realizations: u32) {
         }
     }
     write_series(dir, &times, &columns, &blocks).unwrap();
-    write_statistics(dir, &times, &columns, &blocks).unwrap();
+    let series = SeriesTable { times: times.to_vec(), columns: columns.clone(), blocks };
+    let cells = (0..times.len()).flat_map(|t| (0..columns.len()).map(move |c| (t, c)));
+    let summaries: Vec<Summary> = cells.map(|(t, c)| Summary::of(&series.across(t, c))).collect();
+    let mut statistics = StatisticsWriter::new(dir, &columns).unwrap();
+    statistics.push(&times, &summaries).unwrap();
+    statistics.finish().unwrap();
     write_probes(dir, &probes).unwrap();
     let frames: Vec<ParticleFrame> = times.iter().step_by(10).map(|&t| frame(t, &mut rng)).collect();
     write_particles(dir, 0, 0, &["L".into(), "R".into(), "RL".into()], &frames).unwrap();
