@@ -1,13 +1,11 @@
 //! One quantity in two runs: do its mean and its variance differ?
 
-use crate::statistics::{self, Test, binomial_cdf, cautious, fisher_exact, obrien, paired};
+use super::few::{counted, signs};
+use crate::statistics::{self, Test, cautious, obrien, paired};
 use serde::Serialize;
 
 /// Two values are the same number, or a spread none at all, where only rounding parts them.
 const ROUNDING: f64 = 1e-12;
-
-/// Below this many events t is far from Student's; the events are counted instead.
-const FEW: u64 = 10;
 
 /// How a difference was judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -115,34 +113,12 @@ fn certain(a: f64, b: f64) -> Finding {
 /// Means of pairs, and whether so few pairs differ that only their signs were counted.
 fn pair_means(a: &[f64], b: &[f64]) -> (Finding, bool) {
     let test = paired(a, b);
-    let up = a.iter().zip(b).filter(|(a, b)| b > a).count() as u64;
-    let down = a.iter().zip(b).filter(|(a, b)| b < a).count() as u64;
-    let few = up + down < FEW;
-    let (test, judged) = if few {
-        let p = (2.0 * binomial_cdf(up.min(down), up + down, 0.5)).min(1.0);
-        (Test { p, ..test }, Judged::Signs)
-    } else {
-        (test, Judged::Paired)
+    let (test, judged) = match signs(a, b) {
+        Some(p) => (Test { p, ..test }, Judged::Signs),
+        None => (test, Judged::Paired),
     };
+    let few = judged == Judged::Signs;
     (Finding { a: statistics::mean(a), b: statistics::mean(b), test, judged }, few)
-}
-
-/// The exact p of how many realizations leave the value that most have, up and down, where those are few.
-fn counted(a: &[f64], b: &[f64]) -> Option<f64> {
-    let (n, m) = (a.len() as u64, b.len() as u64);
-    // The median is the common value, if there is one.
-    let mut all = [a, b].concat();
-    let (_, &mut common, _) = all.select_nth_unstable_by((a.len() + b.len()) / 2, f64::total_cmp);
-    let above = |values: &[f64]| values.iter().filter(|v| **v > common).count() as u64;
-    let below = |values: &[f64]| values.iter().filter(|v| **v < common).count() as u64;
-    let (up, down) = ([above(a), above(b)], [below(a), below(b)]);
-    let events = up[0] + up[1] + down[0] + down[1];
-    // Small samples that vary are no rare events: three quarters of all must have the common value.
-    let rare = events * n.min(m) < FEW * (n + m) && 4 * events < n + m;
-    let p = |[a, b]: [u64; 2]| if a + b == 0 { 1.0 } else { fisher_exact(a, n, b, m) };
-    // Two tests where events go both ways.
-    let ways = if up == [0, 0] || down == [0, 0] { 1.0 } else { 2.0 };
-    rare.then(|| (ways * p(up).min(p(down))).min(1.0))
 }
 
 fn variances(a: &[f64], b: &[f64], pairs: bool) -> Option<Finding> {
@@ -199,6 +175,36 @@ mod tests {
                 for count in [mean, variance] {
                     assert!(count[0] <= 256 && count[1] <= 12, "case {k} {sizes:?}: {count:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn equal_pairs_rarely_differ() {
+        // As above, with a correlation of 0.7 between the two of a pair.
+        for mean in [0.3, 5.0, 100.0] {
+            let (common, own) = (Poisson::new(0.7 * mean).unwrap(), Poisson::new(0.3 * mean).unwrap());
+            for n in [10, 200] {
+                let mut count = [0; 4];
+                for r in 0..4000 {
+                    let mut s = stream(8, r, Purpose::Reactions);
+                    let (a, b): (Vec<f64>, Vec<f64>) = (0..n)
+                        .map(|_| {
+                            let both = common.sample(&mut s);
+                            (both + own.sample(&mut s), both + own.sample(&mut s))
+                        })
+                        .unzip();
+                    let found = Findings::of(&a, &b, true);
+                    for (k, finding) in [found.mean, found.variance].into_iter().enumerate() {
+                        let p = finding.map_or(1.0, |f| f.test.p);
+                        count[2 * k] += i32::from(p <= 0.05);
+                        count[2 * k + 1] += i32::from(p <= 0.001);
+                    }
+                }
+                assert!(
+                    count[0].max(count[2]) <= 256 && count[1].max(count[3]) <= 12,
+                    "{mean} {n}: {count:?}"
+                );
             }
         }
     }

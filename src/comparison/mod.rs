@@ -5,6 +5,7 @@
 //! together give a false alarm with the chance `level` at most (Holm 1979). Runs of one seed share their
 //! random numbers realization by realization and are compared in pairs.
 
+mod few;
 mod findings;
 mod shared;
 mod sides;
