@@ -1,7 +1,9 @@
 //! The course of one flow with the realizations on it, step by step; taken up from its last saved state if there is
 //! one.
 
+use super::recording::{Frame, Player, Recorder, Title};
 use crate::error::RunError;
+use crate::model::FlowFile;
 use crate::plan::Plan;
 use crate::plan::start::Start;
 use crate::record::TemperatureRecord;
@@ -28,6 +30,8 @@ pub(super) struct Course<'r, 'p, const D: usize> {
     pub clock: &'r [Interval],
     /// Whether all realizations of the run see this flow.
     pub shared: bool,
+    /// Where the flow is recorded, or taken from.
+    pub file: Option<&'r FlowFile>,
     pub watch: &'r Watch,
     pub keep: &'r dyn Keep,
 }
@@ -72,6 +76,8 @@ impl Point {
 struct Saved<const D: usize> {
     at: Point,
     warmth: TemperatureRecord,
+    /// Bytes of the flow's record that were written.
+    recorded: Option<u64>,
     scene: scene::Image<'static, D>,
     members: Vec<Image>,
     course: CourseShare,
@@ -82,6 +88,8 @@ struct Saved<const D: usize> {
 struct Saving<'a, const D: usize> {
     at: Point,
     warmth: TemperatureRecord,
+    /// Bytes of the flow's record that were written.
+    recorded: Option<u64>,
     scene: scene::Image<'a, D>,
     members: Images<'a>,
     course: CourseShare,
@@ -93,6 +101,45 @@ struct Images<'a>(&'a [Realization]);
 impl Serialize for Images<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(self.0.iter().map(Realization::image))
+    }
+}
+
+/// Where the flow goes to, or comes from, besides the run itself.
+enum Tape<const D: usize> {
+    None,
+    Record(Recorder),
+    Play(Player<D>),
+}
+
+/// The particles as they are now.
+fn shot<const D: usize>(scene: &Scene<D>) -> Frame<D> {
+    Frame { snapshot: scene.snapshot.clone(), presence: scene.presence().to_vec() }
+}
+
+impl<const D: usize> Tape<D> {
+    /// The tape of a course that stands at `from`, `recorded` bytes of it written before.
+    fn new(course: &mut Course<D>, from: &Point, recorded: Option<u64>) -> Result<Tape<D>, RunError> {
+        match course.file {
+            None => Ok(Tape::None),
+            Some(FlowFile::Record(path)) => {
+                let title = Title::new(course.scene.plan, course.clock);
+                let mut recorder = Recorder::new(path, &title, recorded)?;
+                if recorded.is_none() {
+                    recorder.push(&shot(&course.scene))?;
+                }
+                Ok(Tape::Record(recorder))
+            }
+            Some(FlowFile::Replay(path)) => {
+                let mut player = Player::open(path, course.scene.plan)?;
+                let behind: u64 = course.clock[..from.interval].iter().map(|i| i.ticks).sum();
+                // The first instant is t = 0; the last one shown is that of the present step.
+                for _ in 0..=behind + from.ticks {
+                    let Frame { snapshot, presence } = player.next()?;
+                    course.scene.show(snapshot, presence);
+                }
+                Ok(Tape::Play(player))
+            }
+        }
     }
 }
 
@@ -108,13 +155,19 @@ impl<const D: usize> Course<'_, '_, D> {
     ) -> Result<Travelled, RunError> {
         let mut way = Travelled::default();
         way.course.fluid_seconds = prepared;
+        let mut recorded = None;
         let from = match self.keep.saved(name)? {
-            Some(state) => self.take_up(decode(&state, name)?, &mut way).ok_or_else(|| foreign(name))?,
+            Some(state) => {
+                let saved: Saved<D> = decode(&state, name)?;
+                recorded = saved.recorded;
+                self.take_up(saved, &mut way).ok_or_else(|| foreign(name))?
+            }
             None => {
                 way.crew.members = begin();
                 Point::default()
             }
         };
+        let mut tape = Tape::new(&mut self, &from, recorded)?;
         let mut frozen = freeze(self.plan, &self.scene, self.start)?;
         let mut reservoirs = Reservoirs::new(self.plan, &self.scene);
         let (patience, mut saved_at) = (self.keep.patience(), Instant::now());
@@ -135,7 +188,7 @@ impl<const D: usize> Course<'_, '_, D> {
                     let due = patience.is_some_and(|patience| stop || saved_at.elapsed() > patience);
                     // What has just begun is begun again as fast as it is taken up.
                     if due && at != from {
-                        self.save(name, at, &way)?;
+                        self.save(name, at, &mut tape, &way)?;
                         saved_at = Instant::now();
                     }
                     if stop {
@@ -157,7 +210,13 @@ impl<const D: usize> Course<'_, '_, D> {
                     let break_off =
                         || watch.stopped() || patience.is_some_and(|patience| saved_at.elapsed() > patience);
                     let left = interval.fluid_steps - at.fluid_steps;
-                    let moved = self.scene.advance(tick / interval.fluid_steps as f64, left, &break_off);
+                    let moved = match &mut tape {
+                        Tape::Play(player) => player.next().map(|Frame { snapshot, presence }| {
+                            self.scene.show(snapshot, presence);
+                            left
+                        }),
+                        _ => self.scene.advance(tick / interval.fluid_steps as f64, left, &break_off),
+                    };
                     way.course.fluid_seconds += fluid.elapsed().as_secs_f64();
                     match moved {
                         Ok(taken) if taken == left => break,
@@ -165,6 +224,9 @@ impl<const D: usize> Course<'_, '_, D> {
                         // The flow carries them all.
                         Err(found) => return Ok(self.failed(found, way)),
                     }
+                }
+                if let Tape::Record(recorder) = &mut tape {
+                    recorder.push(&shot(&self.scene))?;
                 }
                 let chemistry = Instant::now();
                 match freeze(plan, &self.scene, start) {
@@ -200,6 +262,9 @@ impl<const D: usize> Course<'_, '_, D> {
             }
         }
         self.book(&mut way);
+        if let Tape::Record(recorder) = tape {
+            recorder.finish(&way.course)?;
+        }
         way.arrived = true;
         Ok(way)
     }
@@ -212,10 +277,17 @@ impl<const D: usize> Course<'_, '_, D> {
     }
 
     /// Keeps the state between two steps.
-    fn save(&self, name: &str, at: Point, way: &Travelled) -> Result<(), RunError> {
+    fn save(&self, name: &str, at: Point, tape: &mut Tape<D>, way: &Travelled) -> Result<(), RunError> {
+        let recorded = match tape {
+            Tape::Record(recorder) => {
+                recorder.flush()?;
+                Some(recorder.length)
+            }
+            _ => None,
+        };
         let members = Images(&way.crew.members);
         let (scene, course) = (self.scene.image(), way.course.clone());
-        save(self.keep, name, &Saving { at, scene, members, course, warmth: way.warmth })
+        save(self.keep, name, &Saving { at, warmth: way.warmth, recorded, scene, members, course })
     }
 
     /// Goes back to a state; where it stands. `None` if it belongs to another plan.
