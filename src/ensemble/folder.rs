@@ -12,6 +12,8 @@ pub enum Earlier {
     Nothing,
     /// Its record; what it has seen lies in its folder `checkpoint`.
     Interrupted(Box<RunRecord>),
+    /// All but the report, before which it was stopped.
+    Undrawn,
 }
 
 /// What is to become of an earlier run.
@@ -60,6 +62,9 @@ pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
     if claim.force {
         return Ok(Earlier::Nothing);
     }
+    if record.status == "finished" && claim.resume && !dir.join("report.html").exists() {
+        return Ok(Earlier::Undrawn);
+    }
     if record.status == "finished" {
         return fault(
             format!("{shown} already holds a finished run"),
@@ -102,7 +107,7 @@ pub fn claim(dir: &Path, record: &RunRecord, earlier: &Earlier) -> Result<Held, 
         Err(TryLockError::Error(_)) => {}
     }
     match earlier {
-        Earlier::Nothing => {
+        Earlier::Nothing | Earlier::Undrawn => {
             // From here on it is a run that can be resumed, whatever is left of an earlier one.
             let begun = tables::write_record(dir, record).and_then(|()| clear(dir));
             begun.map_err(|error| unusable(error.to_string()))?;
@@ -182,8 +187,7 @@ fn remove_drafts(dir: &Path) {
 }
 
 /// Removes the folder `checkpoint` of a finished run.
-pub fn release(dir: &Path, held: Held) {
+pub fn release(dir: &Path) {
     // What cannot be removed harms nobody.
     let _ = std::fs::remove_dir_all(dir.join("checkpoint"));
-    drop(held);
 }
