@@ -15,7 +15,7 @@ mod time_averages;
 pub use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
 pub use comparisons::{ComparisonRow, write_comparison};
 pub use particles::{list_particles, read_particles, write_particles};
-pub use probes::{ProbesWriter, read_probes, write_probes};
+pub use probes::{ProbesWriter, read_probes, read_probes_head, write_probes};
 pub use record::{read_record, write_record};
 pub use series::{SeriesTable, SeriesWriter, read_series, read_series_head, write_series};
 pub use summary::{
