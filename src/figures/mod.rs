@@ -95,7 +95,7 @@ impl Samples {
 }
 
 /// Rows of a table that figures are drawn from, and realizations in any case.
-const MOST_ROWS: usize = 4_000_000;
+const MOST_ROWS: usize = 1_000_000;
 const FEWEST: usize = 20;
 
 fn first_realization(dir: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), RunError> {
