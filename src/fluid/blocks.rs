@@ -178,14 +178,9 @@ pub struct Block<const D: usize> {
 }
 
 impl<const D: usize> Block<D> {
-    /// Most particles in a block. The larger, the fewer pairs cross from one block to another.
-    const MOST: usize = if D == 3 { 1024 } else { 512 };
-
-    /// Particles in a block of a flow of `n`: in a small one so few that several threads share the work evenly.
-    #[must_use]
-    pub fn size(n: usize) -> usize {
-        n.div_ceil(8).next_multiple_of(64).clamp(64, Self::MOST)
-    }
+    /// Particles in a block, enough work for a thread to be worth waking. The larger, the fewer pairs cross from
+    /// one block to another; the smaller, the more evenly threads share the work.
+    pub const SIZE: usize = if D == 3 { 1024 } else { 512 };
 
     /// Contacts of row `row` between fluid and solid: of a fluid particle its solid ones, of a solid one its fluid.
     #[inline]
@@ -233,7 +228,7 @@ impl<const D: usize> Block<D> {
         solids: bool,
         mutual: bool,
     ) {
-        let mine = self.first..(self.first + Self::size(positions.len())).min(positions.len());
+        let mine = self.first..(self.first + Self::SIZE).min(positions.len());
         let mut found = Vec::new();
         self.walls.clear();
         self.near_solid.clear();
@@ -277,7 +272,7 @@ impl<const D: usize> Block<D> {
     }
 }
 
-/// Neighbour lists of all particles, in blocks of [`Block::size`]; `cutoff` (m) includes the skin. Pairs are listed once
+/// Neighbour lists of all particles, in blocks of [`Block::SIZE`]; `cutoff` (m) includes the skin. Pairs are listed once
 /// where they can be only if forces are `mutual`.
 pub fn build_blocks<const D: usize>(
     blocks: &mut Vec<Block<D>>,
@@ -289,10 +284,9 @@ pub fn build_blocks<const D: usize>(
 ) {
     let all = Candidates::new(positions, domain, cutoff);
     let solids = sides.iter().any(Side::is_solid);
-    let size = Block::<D>::size(positions.len());
-    blocks.resize_with(positions.len().div_ceil(size), Block::default);
+    blocks.resize_with(positions.len().div_ceil(Block::<D>::SIZE), Block::default);
     blocks.par_iter_mut().enumerate().for_each(|(k, block)| {
-        block.first = k * size;
+        block.first = k * Block::<D>::SIZE;
         fill_lists(block, &all, positions, sides, solids, mutual);
     });
 }

@@ -11,7 +11,6 @@ use crate::vector::Vector;
 impl<const D: usize> Flow<D> {
     /// Notes who is in the buffers and near the ends, in the order of now.
     pub(super) fn note_ends(&mut self) {
-        let size = Block::<D>::size(self.sides.len());
         let Some(mut openings) = self.openings.take() else { return };
         let axis = openings.open.axis;
         let near = self.setup.skin;
@@ -24,7 +23,7 @@ impl<const D: usize> Flow<D> {
                 Zone::Buffer(end) => {
                     openings.buffer.push((i as u32, end));
                     openings.marked[i] = true;
-                    openings.touched[i / size] = true;
+                    openings.touched[i / Block::<D>::SIZE] = true;
                 }
                 Zone::Inside if !side.is_solid() => {
                     let close = |end: u8| {
@@ -63,7 +62,7 @@ impl<const D: usize> Flow<D> {
         openings: &Openings<D>,
         value: impl Fn(usize, usize) -> Option<f64> + Sync,
     ) -> Vec<(f64, f64)> {
-        let (size, kernel, sides) = (Block::<D>::size(self.sides.len()), &self.kernel, &self.sides);
+        let (size, kernel, sides) = (Block::<D>::SIZE, &self.kernel, &self.sides);
         let mut sums = vec![(0.0_f64, 0.0_f64); sides.len()];
         self.blocks.par_iter().zip(sums.par_chunks_mut(size)).zip(&openings.touched).for_each(
             |((block, sums), touched)| {

@@ -125,7 +125,6 @@ impl<const D: usize> Flow<D> {
     /// Sums the accelerations anew with the noise of a step of `dt` (s): that of a shorter step is too strong for a
     /// longer one.
     fn redraw(&mut self, dt: f64) {
-        let size = Block::<D>::size(self.sides.len());
         self.begin_noise(dt);
         // At the places of now: those of the last sweep are not kept with a state, and walls moved some particles since.
         self.find_contacts();
@@ -134,8 +133,8 @@ impl<const D: usize> Flow<D> {
         let asked = asks.iter().any(|&asks| asks);
         self.blocks
             .par_iter()
-            .zip(self.rates.par_chunks_mut(size))
-            .zip(self.own.par_chunks_mut(size))
+            .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.own.par_chunks_mut(Block::<D>::SIZE))
             .for_each(|((block, rates), own)| {
                 sweep_forces(block, rates, terms, kernel, sides);
                 if asked {
@@ -159,14 +158,13 @@ impl<const D: usize> Flow<D> {
 
     /// v += dt/2 a, sponges, x += dt (v + w), for the fluid.
     fn kick_and_drift(&mut self, dt: f64) {
-        let size = Block::<D>::size(self.sides.len());
         let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
         let (fastest, strayed) = self
             .positions
-            .par_chunks_mut(size)
-            .zip(self.sides.par_chunks_mut(size))
-            .zip(self.own.par_chunks(size))
-            .zip(self.listed.par_chunks(size))
+            .par_chunks_mut(Block::<D>::SIZE)
+            .zip(self.sides.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.own.par_chunks(Block::<D>::SIZE))
+            .zip(self.listed.par_chunks(Block::<D>::SIZE))
             .map(|(((positions, sides), own), listed)| {
                 let (mut fastest, mut strayed) = (0.0_f64, 0.0_f64);
                 for (((position, side), own), listed) in positions.iter_mut().zip(sides).zip(own).zip(listed)
@@ -194,7 +192,7 @@ impl<const D: usize> Flow<D> {
             return;
         }
         let (bodies, domain, time) = (&self.bodies, &self.domain, self.time);
-        let size = Block::<D>::size(self.sides.len());
+        let size = Block::<D>::SIZE;
         let furthest = self
             .positions
             .par_chunks_mut(size)
@@ -246,10 +244,9 @@ impl<const D: usize> Flow<D> {
     }
 
     pub(super) fn densities(&mut self) {
-        let size = Block::<D>::size(self.sides.len());
         let (terms, kernel, shortest) = (&self.terms, &self.kernel, &self.shortest);
         let (positions, sides) = (&self.positions, &self.sides);
-        self.blocks.par_iter_mut().zip(self.rates.par_chunks_mut(size)).for_each(
+        self.blocks.par_iter_mut().zip(self.rates.par_chunks_mut(Block::<D>::SIZE)).for_each(
             |(block, rates)| {
                 sweep_densities(block, rates, terms, kernel, shortest, positions, sides);
             },
@@ -273,7 +270,7 @@ impl<const D: usize> Flow<D> {
         let corrected = self.terms.moment.is_some();
         let spread = self.terms.continuity == Continuity::Corrected;
         let (domain, cutoff, closed) = (&self.domain, self.kernel.cutoff(), self.closed_axes());
-        let size = Block::<D>::size(self.sides.len());
+        let size = Block::<D>::SIZE;
         let (worst, fault) = self
             .sides
             .par_chunks_mut(size)
@@ -355,7 +352,6 @@ impl<const D: usize> Flow<D> {
 
     /// What solids show to the fluid from here to the end of the step.
     pub(super) fn mirrors(&mut self) {
-        let size = Block::<D>::size(self.sides.len());
         let (bodies, sides, positions, time) = (&self.bodies, &self.sides, &self.positions, self.time);
         let (own, gravity) = (&self.own, self.setup.gravity);
         // Noise between fluid and solids is that of the mean.
@@ -363,7 +359,7 @@ impl<const D: usize> Flow<D> {
         if self.solids.is_empty() {
             return;
         }
-        self.blocks.par_iter().zip(self.mirrors.par_chunks_mut(size)).for_each(
+        self.blocks.par_iter().zip(self.mirrors.par_chunks_mut(Block::<D>::SIZE)).for_each(
             |(block, mirrors)| {
                 for (row, out) in mirrors.iter_mut().enumerate() {
                     let i = block.first + row;
@@ -396,7 +392,6 @@ impl<const D: usize> Flow<D> {
 
     /// Forces and crowding, and the corrections of positions at walls.
     pub(super) fn forces(&mut self, dt: f64) {
-        let size = Block::<D>::size(self.sides.len());
         self.begin_noise(dt);
         let (terms, kernel) = (&self.terms, &self.kernel);
         let (sides, positions, asks) = (&self.sides, &self.positions, &self.asks);
@@ -413,7 +408,7 @@ impl<const D: usize> Flow<D> {
         let (bounces, penetrations) = self
             .blocks
             .par_iter()
-            .zip(self.rates.par_chunks_mut(size))
+            .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
             .map(|(block, rates)| {
                 sweep_forces(block, rates, terms, kernel, sides);
                 if asked {
@@ -432,7 +427,7 @@ impl<const D: usize> Flow<D> {
             })
             .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         if !self.solids.is_empty() && self.continues_by_parabola() {
-            let own = self.own.par_chunks_mut(size);
+            let own = self.own.par_chunks_mut(Block::<D>::SIZE);
             self.blocks.par_iter().zip(own).for_each(|(block, own)| Self::bend(block, own, terms, sides));
         }
         self.tally.bounces += bounces;
@@ -441,15 +436,14 @@ impl<const D: usize> Flow<D> {
 
     /// Corrected positions, acceleration, v += dt/2 a, sponges, and the shift of the next drift.
     pub(super) fn finish(&mut self, dt: f64) {
-        let size = Block::<D>::size(self.sides.len());
         let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
         let shift = self.terms.shift.as_ref();
         let gravity = self.setup.gravity;
         self.positions
-            .par_chunks_mut(size)
-            .zip(self.sides.par_chunks_mut(size))
-            .zip(self.own.par_chunks_mut(size))
-            .zip(self.rates.par_chunks(size))
+            .par_chunks_mut(Block::<D>::SIZE)
+            .zip(self.sides.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.own.par_chunks_mut(Block::<D>::SIZE))
+            .zip(self.rates.par_chunks(Block::<D>::SIZE))
             .for_each(|(((positions, sides), own), rates)| {
                 for (((position, side), own), rates) in positions.iter_mut().zip(sides).zip(own).zip(rates) {
                     if side.is_solid() {

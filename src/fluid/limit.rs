@@ -102,10 +102,9 @@ impl<const D: usize> Flow<D> {
 
     /// Friction per volume at the velocities `u`, zero for solids.
     fn rub(&self, u: &[Vector<D>], out: &mut [Vector<D>]) {
-        let size = Block::<D>::size(self.sides.len());
         let (terms, makeup) = (&self.terms, self.terms.makeup());
         // As the sweep of forces: a block writes to its own particles only.
-        self.blocks.par_iter().zip(out.par_chunks_mut(size)).for_each(|(block, out)| {
+        self.blocks.par_iter().zip(out.par_chunks_mut(Block::<D>::SIZE)).for_each(|(block, out)| {
             out.fill(Vector::zeros());
             let first = block.first;
             let seen = |c: Contact<D>| (c.j as usize, Pair::new(&c));
