@@ -12,7 +12,9 @@ macro_rules! tell {
 
 mod check;
 mod import;
+mod job;
 mod run;
+mod sweep;
 mod verbs;
 
 use crate::error::{ModelError, RunError};

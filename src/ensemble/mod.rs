@@ -13,6 +13,7 @@ mod journal;
 mod memory;
 mod record;
 mod states;
+pub mod sweep;
 
 pub use assemble::EXACT_UP_TO;
 pub use blocks::NotJoined;

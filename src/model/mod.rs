@@ -15,6 +15,7 @@ pub mod probes;
 pub mod reactions;
 pub mod reader;
 pub mod shapes;
+pub mod sweep;
 mod times;
 
 use crate::chemistry::{Network, Representation};
@@ -28,6 +29,7 @@ pub use groups::{Group, Material};
 pub use initial::{Amount, Deal, Initial};
 pub use output::{Output, Run};
 pub use probes::{Probe, ProbeShape};
+pub use sweep::Sweep;
 
 /// A checked model, everything in SI units, groups and species by index.
 #[derive(Clone, Debug)]
@@ -41,6 +43,8 @@ pub struct Model {
     pub initial: Vec<Initial>,
     pub run: Run,
     pub output: Output,
+    /// Values to run it with, one point after the other; none of a single point.
+    pub sweep: Option<Sweep>,
     pub text: ModelText,
     /// Where parts of the document stand, for faults found while the plan is made.
     pub places: Places,

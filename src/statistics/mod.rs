@@ -8,12 +8,14 @@ mod comoments;
 mod comparison;
 mod gamma;
 mod quantiles;
+mod ranks;
 
 pub use accumulator::Accumulator;
 pub use comoments::CoMoments;
 pub use comparison::{convergence_order, relative_l2, standard_score};
 pub use gamma::{chi_square_p_value, ln_gamma, regularised_gamma_p, regularised_gamma_q};
 pub use quantiles::Quantiles;
+pub use ranks::{ranks, spearman};
 
 /// Location, spread and quantiles of a sample; the columns of `tables/statistics.parquet`.
 #[derive(Clone, Copy, Debug, PartialEq)]

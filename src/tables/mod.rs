@@ -9,16 +9,18 @@ mod probes;
 mod record;
 mod series;
 mod summary;
+mod sweep;
 
 pub use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
 pub use particles::{list_particles, read_particles, write_particles};
 pub use probes::{ProbesWriter, read_probes, write_probes};
-pub use record::{read_record, write_record};
+pub use record::{is_sweep, read_record, read_sweep_record, write_record, write_sweep_record};
 pub use series::{SeriesTable, SeriesWriter, read_series, read_series_head, write_series};
 pub use summary::{
     Bin, CovarianceRow, CovarianceWriter, StatisticsRow, StatisticsWriter, read_covariance, read_histograms,
     read_statistics, write_histograms,
 };
+pub use sweep::{SweepRow, SweepWriter, read_sweep_ends};
 
 use crate::error::RunError;
 use std::io::Write;
