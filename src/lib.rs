@@ -8,7 +8,7 @@
 //!
 //! | module | one line |
 //! |---|---|
-//! | [`error`], [`quantity`], [`random`], [`vector`] | faults with file, line and remedy; numbers with units; named random streams; small vectors |
+//! | [`error`], [`packet`], [`quantity`], [`random`], [`vector`] | faults with file, line and remedy; files that outlive a crash; numbers with units; named random streams; small vectors |
 //! | [`chemistry`] | networks, propensities, exact samplers and rate equations on a weighted graph of voxels |
 //! | [`geometry`] | shapes as signed distances, and the lattices that fill them |
 //! | [`fluid`] | SPH-BVF: one file per equation, fused in one pass; conductances for the chemistry |
@@ -45,6 +45,7 @@
 //! ```
 
 pub mod error;
+pub mod packet;
 pub mod quantity;
 pub mod random;
 pub mod vector;

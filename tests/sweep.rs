@@ -127,7 +127,9 @@ fn a_hypercube_covers_its_ranges() {
         intervals == (0..40).collect::<Vec<_>>()
     };
     // 1 nM is 1e-6 mol/m³.
-    assert!(covered(&|row| (row.values[0] / 0.1).log10() / 2.0) && covered(&|row| row.values[1] / 1e-5 - 1.0));
+    assert!(
+        covered(&|row| (row.values[0] / 0.1).log10() / 2.0) && covered(&|row| row.values[1] / 1e-5 - 1.0)
+    );
     assert!(dir.join("figures/tornado.png").exists() && dir.join("figures/outcome_A.svg").exists());
     assert!(std::fs::read_to_string(dir.join("report.html")).unwrap().contains("Rank correlations"));
 }

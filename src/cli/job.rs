@@ -35,7 +35,7 @@ pub(super) fn ready(plan: &Plan) -> Result<Ready<'_>, Stop> {
 /// Claims the folder, runs, and writes tables, record and report.
 pub(super) fn carry_out(plan: &Plan, ready: &Ready, job: &Job, watch: &Watch) -> Result<Concluded, Stop> {
     let dir = job.dir;
-    let mut record = ensemble::record(plan, &job.block, ready.steps(), job.threads);
+    let mut record = ensemble::record(plan, &job.block, ready, job.threads);
     let held = claim(dir, &record, job.earlier)?;
     if let Earlier::Interrupted(then) = job.earlier {
         let (now, then) = (&mut record.performance, &then.performance);

@@ -5,6 +5,7 @@ use super::{Stop, print, sweep};
 use crate::ensemble::{Claim, Concluded, look};
 use crate::error::{Fault, RunError};
 use crate::model::load;
+use crate::model::precision::FIRST_LOOK;
 use crate::plan::Plan;
 use crate::record::RunRecord;
 use crate::simulation::Watch;
@@ -54,7 +55,21 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     if let Some(seed) = options.seed {
         model.run.seed = seed;
     }
-    let block = block(options.realizations.as_deref(), model.run.realizations)?;
+    let block = match &mut model.run.until_precision {
+        None => block(options.realizations.as_deref(), model.run.realizations)?,
+        Some(asked) => {
+            let whole = block(options.realizations.as_deref(), asked.at_most)?;
+            if whole.start > 0 || whole.end < FIRST_LOOK {
+                return Err(Fault::general(
+                    "--realizations with run.until_precision: the run chooses their number".to_string(),
+                    format!("leave it out, or give the most there may be, at least {FIRST_LOOK}"),
+                )
+                .into());
+            }
+            asked.at_most = whole.end;
+            whole
+        }
+    };
     let threads = threads(options.threads.or(model.run.threads))?;
     let dir = options.out.clone().unwrap_or_else(|| Path::new("reports").join(&model.name));
     let claim = Claim { resume: options.resume, force: options.force };

@@ -130,6 +130,9 @@ fn at_point(
     let point = &record.points[number];
     let mut model = load::point(&options.model, &base.text, &sweep.points[number])?;
     model.run.seed = point.seed;
+    if let Some(asked) = &mut model.run.until_precision {
+        asked.at_most = place.block.end;
+    }
     // What is there is of this sweep, or the folder of the sweep would have been refused.
     let earlier = match tables::read_record(dir) {
         Ok(run) if run.status == "finished" && run.model.hash == model.text.hash => return Ok((run, None)),

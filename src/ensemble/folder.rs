@@ -4,7 +4,7 @@ use crate::error::{Fault, ModelError, RunError};
 use crate::model::changes::differences;
 use crate::record::{ModelText, RunRecord, SweepRecord};
 use crate::tables;
-use std::fs::{File, TryLockError};
+use std::fs::{DirEntry, File, TryLockError};
 use std::path::Path;
 
 /// What an earlier run left.
@@ -58,7 +58,10 @@ pub(super) fn content(dir: &Path, claim: Claim) -> Result<Content, ModelError> {
     if dir.exists() && !dir.is_dir() {
         return fault(format!("{shown} is not a folder"), "name another one with --out");
     }
-    let empty = !dir.exists() || dir.read_dir().is_ok_and(|mut entries| entries.next().is_none());
+    // A run that was killed as it began leaves no more than a folder for what it would have kept.
+    let unused =
+        |entry: std::io::Result<DirEntry>| entry.is_ok_and(|entry| entry.file_name() == "checkpoint");
+    let empty = !dir.exists() || dir.read_dir().is_ok_and(|mut entries| entries.all(unused));
     if empty {
         if claim.resume {
             return fault(format!("{shown} holds no run to resume"), "leave out --resume");
@@ -122,10 +125,22 @@ pub(super) fn other_kind(dir: &Path, what: &str) -> ModelError {
 pub fn claim(dir: &Path, record: &RunRecord, earlier: &Earlier) -> Result<Held, ModelError> {
     let held = lock(dir)?;
     match earlier {
-        Earlier::Nothing => clear(dir)?,
-        Earlier::Interrupted(then) => same(dir, &Identity::of_run(record), &Identity::of_run(then))?,
+        Earlier::Nothing => {
+            clear_points(dir).map_err(unusable)?;
+            // From here on it is a run that can be resumed, whatever is left of an earlier one.
+            tables::write_record(dir, record).and_then(|()| clear(dir)).map_err(unusable)?;
+        }
+        Earlier::Interrupted(then) => {
+            same(dir, &Identity::of_run(record), &Identity::of_run(then))?;
+            remove_drafts(dir);
+        }
     }
     Ok(held)
+}
+
+/// A folder that cannot be used.
+pub(super) fn unusable(error: impl std::fmt::Display) -> ModelError {
+    Fault::general(error.to_string(), "name another folder with --out").into()
 }
 
 /// The right to write into a folder, which is made.
@@ -133,7 +148,6 @@ pub fn claim(dir: &Path, record: &RunRecord, earlier: &Earlier) -> Result<Held, 
 /// # Errors
 /// Another process writes there; a folder that cannot be written.
 pub(super) fn lock(dir: &Path) -> Result<Held, ModelError> {
-    let unusable = |error: String| Fault::general(error, "name another folder with --out");
     let folder = dir.join("checkpoint");
     std::fs::create_dir_all(&folder).map_err(|e| unusable(format!("{}: {e}", folder.display())))?;
     let path = folder.join("lock");
@@ -196,26 +210,15 @@ pub(super) fn same(dir: &Path, now: &Identity, then: &Identity) -> Result<(), Mo
     if faults.is_empty() { Ok(()) } else { Err(ModelError { faults }) }
 }
 
-/// Removes what an earlier run left in a folder, and nothing else; the lock stays.
-pub(super) fn clear(dir: &Path) -> Result<(), ModelError> {
-    let unusable = |error: String| Fault::general(error, "name another folder with --out").into();
+/// Removes the points of a sweep that is to be replaced.
+pub(super) fn clear_points(dir: &Path) -> Result<(), RunError> {
     // A folder of this name is ours only in a sweep.
-    let points: &[&str] = if tables::is_sweep(dir) { &["points"] } else { &[] };
-    emptied(dir, points).map_err(|error| unusable(error.to_string()))
+    if tables::is_sweep(dir) { remove(&dir.join("points")) } else { Ok(()) }
 }
 
-fn emptied(dir: &Path, points: &[&str]) -> Result<(), RunError> {
-    let remove = |path: &Path| -> Result<(), RunError> {
-        let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-        match removed {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                Err(RunError::File { path: path.display().to_string(), reason: error.to_string() })
-            }
-            _ => Ok(()),
-        }
-    };
-    // What says whose the points are goes after them.
-    for name in points.iter().chain(&["run.json", "report.html", "tables", "figures", "vtk"]) {
+/// Removes what an earlier run left in a folder, and nothing else; record and lock stay.
+pub(super) fn clear(dir: &Path) -> Result<(), RunError> {
+    for name in ["report.html", "tables", "figures", "vtk"] {
         remove(&dir.join(name))?;
     }
     let folder = dir.join("checkpoint");
@@ -224,6 +227,29 @@ fn emptied(dir: &Path, points: &[&str]) -> Result<(), RunError> {
     }
     std::fs::create_dir_all(dir.join("tables"))
         .map_err(|error| RunError::File { path: dir.display().to_string(), reason: error.to_string() })
+}
+
+fn remove(path: &Path) -> Result<(), RunError> {
+    let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    match removed {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(RunError::File { path: path.display().to_string(), reason: error.to_string() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Removes files that a killed run did not finish.
+pub(super) fn remove_drafts(dir: &Path) {
+    for entry in dir.read_dir().into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            remove_drafts(&path);
+        } else if entry.file_name().to_string_lossy().starts_with(".writing-") {
+            // One that stays is only in the way of the eye.
+            let _ = std::fs::remove_file(path);
+        }
+    }
 }
 
 /// Removes the folder `checkpoint` of a finished run.

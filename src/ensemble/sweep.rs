@@ -1,7 +1,10 @@
 //! A sweep from its points to its table: points are checked together before any of them runs, each runs as an ensemble of
 //! its own in a folder of its own, and their statistics are joined.
 
-use super::folder::{Claim, Content, Held, Identity, clear, content, lock, other_kind, refuse, same};
+use super::folder::{
+    Claim, Content, Held, Identity, clear, clear_points, content, lock, other_kind, refuse, remove_drafts,
+    same, unusable,
+};
 use super::states::FORMAT;
 use crate::error::{Fault, ModelError, RunError};
 use crate::model::Model;
@@ -115,8 +118,14 @@ pub fn look(dir: &Path, claim: Claim) -> Result<Option<Box<SweepRecord>>, ModelE
 pub fn claim(dir: &Path, now: &SweepRecord, earlier: Option<&SweepRecord>) -> Result<Held, ModelError> {
     let held = lock(dir)?;
     match earlier {
-        None => clear(dir)?,
-        Some(then) => same(dir, &identity(now), &identity(then))?,
+        None => {
+            clear_points(dir).map_err(unusable)?;
+            tables::write_sweep_record(dir, now).and_then(|()| clear(dir)).map_err(unusable)?;
+        }
+        Some(then) => {
+            same(dir, &identity(now), &identity(then))?;
+            remove_drafts(dir);
+        }
     }
     Ok(held)
 }

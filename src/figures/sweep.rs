@@ -11,7 +11,7 @@ use super::Figure;
 use super::plot::Ruler;
 use crate::error::RunError;
 use crate::record::{SweepRecord, SweptRecord};
-use crate::statistics::Summary;
+use crate::statistics::{Summary, student_critical};
 use crate::tables;
 use std::path::Path;
 
@@ -87,7 +87,7 @@ impl Outcome {
 /// Half of the 95 % interval of a mean; NaN of one realization.
 #[must_use]
 pub fn half_width(s: &Summary) -> f64 {
-    s.sem * student(s.count.saturating_sub(1))
+    if s.count < 2 { f64::NAN } else { s.sem * student_critical(0.05, s.count as f64 - 1.0) }
 }
 
 /// Ends of the 95 % interval of a mean; an amount is never below zero.
@@ -96,24 +96,6 @@ fn interval(s: &Summary) -> [f64; 2] {
     // Not `max`, which would make a number of what is none.
     let low = if s.mean - half < 0.0 { s.min.min(0.0) } else { s.mean - half };
     [low, s.mean + half]
-}
-
-/// The quantile of Student's t with n degrees of freedom that 2.5 % lie above.
-fn student(n: usize) -> f64 {
-    const FEW: [f64; 8] = [12.7062, 4.30265, 3.18245, 2.77645, 2.57058, 2.44691, 2.36462, 2.30600];
-    const Z: f64 = 1.959_963_985;
-    match n {
-        0 => f64::NAN,
-        1..=8 => FEW[n - 1],
-        // Abramowitz & Stegun 26.7.5: 2.2621 instead of 2.2622 at n = 9, better above.
-        _ => {
-            let (n, z3, z5) = (n as f64, Z.powi(3), Z.powi(5));
-            let third = 3.0 * Z.powi(7) + 19.0 * z5 + 17.0 * z3 - 15.0 * Z;
-            Z + (z3 + Z) / (4.0 * n)
-                + (5.0 * z5 + 16.0 * z3 + 3.0 * Z) / (96.0 * n * n)
-                + third / (384.0 * n.powi(3))
-        }
-    }
 }
 
 /// Every figure of a sweep, in the order of the report.
@@ -190,25 +172,18 @@ fn at_the_end(outcomes: &Outcomes) -> String {
 }
 
 /// How many realizations each point has, in words.
-fn each(outcomes: &Outcomes) -> String {
-    let [from, to] = outcomes.record.realizations;
-    format!("{} realizations at each point", to - from)
+pub(crate) fn each(outcomes: &Outcomes) -> String {
+    let counts = || outcomes.species.iter().flat_map(|one| one.summaries.iter().map(|s| s.count));
+    match (counts().min().unwrap_or(0), counts().max().unwrap_or(0)) {
+        (1, 1) => "one realization at each point".into(),
+        (few, many) if few == many => format!("{many} realizations at each point"),
+        (few, many) => format!("{few} to {many} realizations at each point"),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn students_quantiles_are_the_tabulated_ones() {
-        // Abramowitz & Stegun, table 26.10.
-        for (n, t) in
-            [(1, 12.706), (8, 2.306), (9, 2.262), (10, 2.228), (20, 2.086), (60, 2.000), (120, 1.980)]
-        {
-            assert!((student(n) - t).abs() < 6e-4, "{n}: {} for {t}", student(n));
-        }
-        assert!(student(0).is_nan());
-    }
 
     #[test]
     fn units_are_printed() {

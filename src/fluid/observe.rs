@@ -5,7 +5,7 @@ use crate::fluid::setup::BodyKind;
 use crate::vector::Vector;
 
 /// The particles at one time, in the order of [`Setup::particles`](crate::fluid::Setup).
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Snapshot<const D: usize> {
     /// m, inside the box on periodic axes.
     pub position: Vec<Vector<D>>,
@@ -52,7 +52,7 @@ impl<const D: usize> Flow<D> {
             volume_fraction: vec![0.0; n],
         };
         for ((place, side), own) in self.positions.iter().zip(&self.sides).zip(&self.own) {
-            let i = own.id as usize;
+            let i = side.id as usize;
             snapshot.position[i] = self.domain.wrap(place);
             snapshot.velocity[i] = match &self.bodies[side.body as usize].kind {
                 BodyKind::Fluid { .. } => side.velocity,

@@ -3,6 +3,7 @@
 pub mod changes;
 pub mod conditions;
 pub mod domain;
+pub mod flow_file;
 pub mod fluid;
 pub mod graph;
 pub mod groups;
@@ -11,6 +12,7 @@ pub mod load;
 pub mod names;
 pub mod node;
 pub mod output;
+pub mod precision;
 pub mod probes;
 pub mod reactions;
 pub mod reader;
@@ -24,10 +26,12 @@ use crate::record::ModelText;
 
 pub use conditions::Condition;
 pub use domain::{Boundary, Domain, ParticleDomain};
-pub use fluid::FluidModel;
+pub use flow_file::FlowFile;
+pub use fluid::{FluidModel, FluidPlaces};
 pub use groups::{Group, Material};
 pub use initial::{Amount, Deal, Initial};
 pub use output::{Output, Run};
+pub use precision::Precision;
 pub use probes::{Probe, ProbeShape};
 pub use sweep::Sweep;
 
@@ -39,6 +43,8 @@ pub struct Model {
     pub description: String,
     pub network: Network,
     pub domain: Domain,
+    /// Where the flow is recorded, or taken from.
+    pub flow: Option<FlowFile>,
     pub chemistry: Chemistry,
     pub initial: Vec<Initial>,
     pub run: Run,

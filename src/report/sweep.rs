@@ -3,7 +3,7 @@
 use super::html::{table, table_of_html};
 use super::sections::{Verdict, checks};
 use crate::error::RunError;
-use crate::figures::sweep::{Outcomes, correlations, draw, half_width, name, printed};
+use crate::figures::sweep::{Outcomes, correlations, draw, each, half_width, name, printed};
 use crate::figures::{self, escape};
 use crate::quantity::readable::{grouped, show, significant};
 use crate::record::{PointRecord, SweepRecord};
@@ -48,7 +48,7 @@ fn amiss(dir: &Path, point: &PointRecord) -> Vec<String> {
 fn page(dir: &Path, outcomes: &Outcomes, figures: &[String], amiss: &[Vec<String>]) -> String {
     let record = &outcomes.record;
     let mut out = super::head(&record.name);
-    out += &summary(record, amiss);
+    out += &summary(outcomes, amiss);
     out += &parameters(record);
     if !figures.is_empty() {
         out += &format!("<h2>Outcome</h2>\n{}", figures.concat());
@@ -59,7 +59,8 @@ fn page(dir: &Path, outcomes: &Outcomes, figures: &[String], amiss: &[Vec<String
     out + &super::foot(&record.program, &record.version)
 }
 
-fn summary(record: &SweepRecord, amiss: &[Vec<String>]) -> String {
+fn summary(outcomes: &Outcomes, amiss: &[Vec<String>]) -> String {
+    let record = &outcomes.record;
     let mut out = String::new();
     if !record.description.trim().is_empty() {
         out += &format!("<p class=\"what\">{}</p>\n", escape(record.description.trim()));
@@ -68,23 +69,19 @@ fn summary(record: &SweepRecord, amiss: &[Vec<String>]) -> String {
     let bad = |words: &&Vec<String>| words.iter().any(|w| w.starts_with('✗'));
     let (failed, noted) = (amiss.iter().filter(bad).count(), amiss.iter().filter(|w| !w.is_empty()).count());
     let whole = record.status == "finished" && failed == 0;
-    let [from, to] = record.realizations;
     let names: Vec<&str> = record.parameters.iter().map(name).collect();
     let design = match record.design.as_str() {
         "grid" => "a grid",
         "list" => "a list",
         _ => "a Latin hypercube",
     };
-    let seeds = if record.common_random_numbers {
-        "with the same random numbers at each point"
-    } else {
-        "with a seed of its own at each point"
-    };
+    let seeds =
+        if record.common_random_numbers { "with the same random numbers" } else { "with a seed of its own" };
     out += &format!(
-        "<div class=\"verdict{}\">\n<p>A sweep over {}: {design} of {all} points, {} realizations each, {seeds}.</p>\n",
+        "<div class=\"verdict{}\">\n<p>A sweep over {}: {design} of {all} points, {}, {seeds}.</p>\n",
         if whole { "" } else { " fail" },
         escape(&names.join(", ")),
-        to - from
+        each(outcomes)
     );
     if finished < all {
         out += &format!(
@@ -98,8 +95,10 @@ fn summary(record: &SweepRecord, amiss: &[Vec<String>]) -> String {
         (n, _) => format!("<p><span class=\"fail\">✗ Checks failed at {n} points, below.</span></p>\n"),
     };
     out += "</div>\n<div class=\"facts\">\n";
-    let mut facts =
-        vec![(all.to_string(), "points"), (grouped(u64::from(to - from) * finished as u64), "realizations")];
+    let mut facts = vec![
+        (all.to_string(), "points"),
+        (grouped(record.points.iter().map(|p| u64::from(p.finished)).sum()), "realizations"),
+    ];
     let p = &record.performance;
     if p.reaction_events > 0 {
         facts.push((significant(p.reaction_events as f64, 3), "reaction events"));

@@ -2,6 +2,8 @@
 
 mod course;
 mod flows;
+mod numbers;
+mod recording;
 mod steps;
 
 use super::clock::{Interval, intervals};
@@ -12,15 +14,17 @@ use super::realization::{Realization, Reservoirs, Surroundings};
 use super::walk::Walk;
 use super::{Finish, NotReady, Watch, paths};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
-use crate::error::RunError;
+use crate::error::{Fault, ModelError, RunError};
 use crate::fluid::Flow;
-use crate::model::Method;
+use crate::model::{FlowFile, Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
+use crate::quantity::readable::show;
 use crate::samples::SeriesBlock;
-use crate::sampling::{Lens, Observed};
+use crate::sampling::{Lens, Moment, Observed};
 use crate::scene::Scene;
+use recording::{Frame, Player, Title};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use steps::{bounds, buoyant_pull, estimate};
@@ -38,6 +42,8 @@ pub struct Ready<'p, const D: usize> {
     fluid_seconds: f64,
     /// Error of splitting and the time over which it was found, s.
     splitting: Option<(SplittingError, f64)>,
+    /// Of the flow, m/s.
+    sound_speed: f64,
     /// The settled flow, until the first realizations take it.
     fresh: Mutex<Option<Flow<D>>>,
 }
@@ -50,7 +56,19 @@ impl<'p, const D: usize> Ready<'p, D> {
     pub fn new(plan: &'p Plan, arena: &'p ParticlePlan<D>) -> Result<Ready<'p, D>, NotReady> {
         let begun = Instant::now();
         let until = plan.model.run.until;
-        let mut scene = Scene::new(arena, 0)?;
+        let mut player = match &plan.model.flow {
+            Some(FlowFile::Replay(path)) => Some(Player::open(path, arena)?),
+            _ => None,
+        };
+        let mut scene = match &mut player {
+            Some(player) => {
+                let mut scene = Scene::at_rest(arena);
+                let Frame { snapshot, presence } = player.next()?;
+                scene.show(snapshot, presence);
+                scene
+            }
+            None => Scene::new(arena, 0)?,
+        };
         let mut fluid = None;
         if let Some(flow) = &mut scene.flow {
             let before = flow.step_limit();
@@ -63,7 +81,9 @@ impl<'p, const D: usize> Ready<'p, D> {
             check_steps(place, "fluid", limit.seconds, &limit.limited_by, duration)?;
             fluid = Some((limit.seconds, limit.limited_by));
         }
-        scene.look();
+        if player.is_none() {
+            scene.look();
+        }
         let fluid_seconds = begun.elapsed().as_secs_f64();
         check_amounts(plan, &scene.places())?;
         let start = start(plan, &scene.places());
@@ -97,10 +117,14 @@ impl<'p, const D: usize> Ready<'p, D> {
                 None => (bounds.step(), bounds.limited_by().to_string()),
             };
             check_steps(&plan.model.places.chemistry, "chemistry", step, &limit, until)?;
-            let clock = intervals(&plan.model.output.times, step, fluid.as_ref().map(|f| f.0));
+            let clock = match &player {
+                Some(player) => recorded(plan, &player.title, (step, &limit))?,
+                None => intervals(&plan.model.output.times, step, fluid.as_ref().map(|f| f.0)),
+            };
             let splitting = estimate(plan, &scene, &frozen, &start, &clock);
             (step, limit, clock, splitting)
         };
+        let sound_speed = scene.flow.as_ref().map_or(0.0, Flow::sound_speed);
         let fresh = Mutex::new(scene.flow.take());
         Ok(Ready {
             plan,
@@ -113,6 +137,7 @@ impl<'p, const D: usize> Ready<'p, D> {
             clock,
             fluid_seconds,
             splitting,
+            sound_speed,
             fresh,
         })
     }
@@ -121,7 +146,12 @@ impl<'p, const D: usize> Ready<'p, D> {
     #[must_use]
     pub fn first_look(&self) -> SeriesBlock {
         let mut observed = Observed::new(0);
-        Lens::new(self.plan, &self.scene).look(&self.start.means(), 0.0, true, &mut observed);
+        Lens::new(self.plan, &self.scene).look(
+            &self.start.means(),
+            Moment { time: 0.0, tick: 0.0 },
+            true,
+            &mut observed,
+        );
         observed.series
     }
 
@@ -131,7 +161,8 @@ impl<'p, const D: usize> Ready<'p, D> {
         if let Some(method) = event_driven(self.plan) {
             return self.run_events(realizations, method, watch, keep);
         }
-        match (self.fluid.is_some(), self.plan.model.flows_differ()) {
+        let replayed = matches!(self.plan.model.flow, Some(FlowFile::Replay(_)));
+        match (self.fluid.is_some() || replayed, self.plan.model.flows_differ()) {
             (true, false) => self.run_on_flow(realizations, watch, keep),
             (true, true) => self.run_on_flows(realizations, watch, keep),
             (false, _) => self.run_at_rest(realizations, watch, keep),
@@ -153,12 +184,19 @@ impl<'p, const D: usize> Ready<'p, D> {
         let around = Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
         let groups = self.groups();
         let walk = Walk { plan, clock: &self.clock, watch, keep, groups: (&groups, &self.scene.plan.home) };
+        // What is split and how finely, at the end of an interval.
+        let split = plan.model.chemistry.integrator == Integrator::Exponential;
+        let tick = |time: f64| {
+            let ended = self.clock.iter().find(|interval| split && interval.end == time);
+            ended.map_or(0.0, Interval::tick)
+        };
         each(realizations, 1, watch, |numbers| {
             let one = |&number: &u32| {
                 let begin = || Realization::new(plan, &self.start, number);
                 let step = |one: &mut Realization, time, tick| one.step_at_rest(&around, time, tick);
                 let look = |one: &mut Realization, time| {
-                    lens.look(&one.state.amounts, time, false, &mut one.observed);
+                    let now = Moment { time, tick: tick(time) };
+                    lens.look(&one.state.amounts, now, false, &mut one.observed);
                 };
                 (number, walk.follow(number, begin, step, look))
             };
@@ -166,12 +204,17 @@ impl<'p, const D: usize> Ready<'p, D> {
         })
     }
 
-    /// The scene at t = 0, the flow settled: the one made ready, or another like it.
-    fn scene(&self) -> Result<Scene<'p, D>, RunError> {
+    /// The scene at t = 0, the flow settled: the one made ready, or another like it; none if the user wants to stop
+    /// before.
+    fn scene(&self, watch: &Watch) -> Result<Option<Scene<'p, D>>, RunError> {
+        if matches!(self.plan.model.flow, Some(FlowFile::Replay(_))) {
+            // Shown instant by instant as the chemistry goes on.
+            return Ok(Some(Scene::at_rest(self.scene.plan)));
+        }
         let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).take();
         match fresh {
-            Some(flow) => Ok(Scene::at_rest(self.scene.plan).with_flow(Some(flow))),
-            None => settled(self.scene.plan, 0),
+            Some(flow) => Ok(Some(Scene::at_rest(self.scene.plan).with_flow(Some(flow)))),
+            None => settled(self.scene.plan, 0, watch),
         }
     }
 
@@ -181,14 +224,38 @@ impl<'p, const D: usize> Ready<'p, D> {
     }
 }
 
-/// The particles of a realization when the flow has settled.
-fn settled<const D: usize>(arena: &ParticlePlan<D>, realization: u32) -> Result<Scene<'_, D>, RunError> {
+/// The clock of a recorded flow, if a chemistry whose step is at most `step` (s; and what limits it) can go by it.
+fn recorded(plan: &Plan, title: &Title, (step, limit): (f64, &str)) -> Result<Vec<Interval>, ModelError> {
+    let fault = |reason: String, remedy: String| Fault::at(&plan.model.places.run, reason, remedy);
+    let clock = title.clock(&plan.model.output.times).map_err(|reason| {
+        fault(reason, "choose output times among those instants, or record the flow again".into())
+    })?;
+    let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
+    if longest > step * (1.0 + 1e-6) {
+        let (longest, step) = (show(longest, "s"), show(step, "s"));
+        return Err(fault(
+            format!("the flow was recorded with chemistry steps of {longest}; this chemistry needs {step} ({limit})"),
+            format!("record it again with chemistry: {{ step: {step} }}"),
+        )
+        .into());
+    }
+    Ok(clock)
+}
+
+/// The particles of a realization when the flow has settled; none if the user wants to stop before.
+fn settled<'p, const D: usize>(
+    arena: &'p ParticlePlan<D>,
+    realization: u32,
+    watch: &Watch,
+) -> Result<Option<Scene<'p, D>>, RunError> {
     let mut scene = Scene::new(arena, realization)?;
-    if let Some(flow) = &mut scene.flow {
-        flow.settle(arena.settle)?;
+    if let Some(flow) = &mut scene.flow
+        && !flow.settle_until(arena.settle, &|| watch.stopped())?
+    {
+        return Ok(None);
     }
     scene.look();
-    Ok(scene)
+    Ok(Some(scene))
 }
 
 /// The method, if it is event driven; the plan has seen to it that the particles then rest.

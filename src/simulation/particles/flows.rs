@@ -41,11 +41,18 @@ impl<'p, const D: usize> Ready<'p, D> {
         keep: &dyn Keep,
     ) -> Result<(), RunError> {
         let begun = Instant::now();
-        let scene = self.scene()?;
+        let Some(scene) = self.scene(watch)? else {
+            finish.interrupted = true;
+            return Ok(());
+        };
         let prepared = begun.elapsed().as_secs_f64();
         let name = format!("flow-{}", numbers.first().copied().unwrap_or(0));
         let begin = || numbers.iter().map(|&n| Realization::new(self.plan, &self.start, n)).collect();
-        let way = self.course(scene, &self.start, true, watch, keep).follow(&name, begin, prepared)?;
+        let course = Course {
+            file: self.plan.model.flow.as_ref(),
+            ..self.course(scene, &self.start, true, watch, keep)
+        };
+        let way = course.follow(&name, begin, prepared)?;
         self.settle_accounts(way, finish, keep, &name)
     }
 
@@ -61,7 +68,9 @@ impl<'p, const D: usize> Ready<'p, D> {
     /// One realization from the flow at rest to its end.
     fn one_flow(&self, number: u32, watch: &Watch, keep: &dyn Keep) -> Found {
         let begun = Instant::now();
-        let scene = settled(self.scene.plan, number)?;
+        let Some(scene) = settled(self.scene.plan, number, watch)? else {
+            return Ok(false);
+        };
         let start = start(self.plan, &scene.places());
         let name = format!("realization-{number}");
         let prepared = begun.elapsed().as_secs_f64();
@@ -83,7 +92,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         watch: &'r Watch,
         keep: &'r dyn Keep,
     ) -> Course<'r, 'p, D> {
-        Course { plan: self.plan, scene, start, clock: &self.clock, shared, watch, keep }
+        Course { plan: self.plan, scene, start, clock: &self.clock, shared, file: None, watch, keep }
     }
 
     /// Hands over what is left to hand over of realizations that came to the end of a flow or part of the way.
@@ -94,7 +103,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         keep: &dyn Keep,
         name: &str,
     ) -> Result<(), RunError> {
-        let Travelled { crew: Crew { members, error }, course, arrived, interrupted } = way;
+        let Travelled { crew: Crew { members, error }, course, arrived, interrupted, .. } = way;
         finish.interrupted |= interrupted;
         let groups = self.groups();
         for one in members {
