@@ -28,6 +28,8 @@ pub enum Purpose {
     Representation = 7,
     /// Samples drawn again from a sample, for confidence intervals.
     Bootstrap = 8,
+    /// Points of a sweep; the same for all realizations.
+    Design = 9,
 }
 
 /// The stream of one purpose in one realization of a run with this seed.

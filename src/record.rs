@@ -2,6 +2,10 @@
 //!
 //! `report` reads this file and the tables, nothing else, so that figures can be drawn again at any time.
 
+mod sweep;
+
+pub use sweep::{PointRecord, SWEEP_COLUMNS, SweepRecord, SweptRecord};
+
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

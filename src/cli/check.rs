@@ -1,15 +1,16 @@
 //! The verb `check`: reads a model and prints the compiled plan.
 
+use super::job::ready;
 use super::{Stop, print};
 use crate::chemistry::drawing;
 use crate::ensemble;
-use crate::model::Domain;
 use crate::model::load::{self, Document};
+use crate::model::{Domain, Model, Sweep};
 use crate::plan::Plan;
 use crate::plan::limits::estimate;
 use crate::quantity::readable::{show, significant};
 use crate::record::FluidRecord;
-use crate::simulation::{NotReady, Ready};
+use crate::simulation::Ready;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -28,13 +29,42 @@ pub(crate) fn check(file: &Path, overrides: &[String]) -> Result<(), Stop> {
         Document::Model(model) => *model,
     };
     let realizations = model.run.realizations;
+    let sweep = match &model.sweep {
+        Some(sweep) => {
+            ensemble::sweep::check(file, &model, sweep, realizations)?;
+            points(&model, sweep)
+        }
+        None => String::new(),
+    };
     let plan = Plan::new(model, realizations)?;
-    let ready = Ready::new(&plan).map_err(|error| match error {
-        NotReady::Model(error) => Stop::Model(error),
-        NotReady::Run(error) => Stop::Run(error),
-    })?;
-    print(&describe(&plan, &ready));
+    let ready = ready(&plan)?;
+    print(&(describe(&plan, &ready) + &sweep));
     Ok(())
+}
+
+/// Points listed at most, but for the last.
+const LISTED: usize = 200;
+
+/// The points of a sweep.
+fn points(model: &Model, sweep: &Sweep) -> String {
+    let record = ensemble::sweep::record(model, sweep, &(0..model.run.realizations), 0);
+    let (count, each) = (record.points.len(), model.run.realizations);
+    let seeds =
+        if sweep.common_random_numbers { "the same random numbers at each" } else { "a seed for each" };
+    let runs = f64::from(each) * count as f64;
+    let mut text = format!(
+        "\nsweep: {count} points ({}), {each} realizations at each: {runs} in all; {seeds}\n",
+        record.design.replace('_', " ")
+    );
+    let last = count.saturating_sub(1);
+    for point in record.points.iter().filter(|p| (p.point as usize) < LISTED || p.point as usize == last) {
+        if point.point as usize == last && last > LISTED {
+            text += "  …\n";
+        }
+        let seed = if sweep.common_random_numbers { String::new() } else { format!(", seed {}", point.seed) };
+        text += &format!("  {:04}  {}{seed}\n", point.point, point.words(&record.parameters));
+    }
+    text
 }
 
 fn describe(plan: &Plan, ready: &Ready) -> String {
@@ -139,7 +169,8 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     }
     let rough = estimate(&plan.model, plan.model.run.realizations);
     line(format!(
-        "\nrun: {} realization{} until {}, {} output times; about {:.0} MB of memory{}",
+        "\nrun{}: {} realization{} until {}, {} output times; about {:.0} MB of memory{}",
+        if plan.model.sweep.is_some() { " of each point (above: values as in the file)" } else { "" },
         plan.model.run.realizations,
         if plan.model.run.realizations == 1 { "" } else { "s" },
         show(plan.model.run.until, "s"),

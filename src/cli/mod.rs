@@ -13,7 +13,9 @@ macro_rules! tell {
 mod check;
 mod compare;
 mod import;
+mod job;
 mod run;
+mod sweep;
 mod verbs;
 
 use crate::error::{ModelError, RunError};

@@ -1,14 +1,15 @@
 //! The verb `run`.
 
-use super::{Stop, print};
-use crate::ensemble::{self, Claim, Concluded, Earlier, claim, look, release};
+use super::job::{Job, carry_out, ready};
+use super::{Stop, print, sweep};
+use crate::ensemble::{Claim, Concluded, Earlier, look, release};
 use crate::error::{Fault, RunError};
 use crate::model::load;
 use crate::model::precision::FIRST_LOOK;
 use crate::plan::Plan;
 use crate::record::RunRecord;
-use crate::simulation::{NotReady, Ready, Watch};
-use crate::{report, tables};
+use crate::report;
+use crate::simulation::Watch;
 use clap::Args;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ use std::time::Instant;
 #[derive(Args)]
 pub(crate) struct Options {
     /// Model file
-    model: PathBuf,
+    pub(super) model: PathBuf,
     /// Folder to write (default: reports/<model name>)
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -42,15 +43,15 @@ pub(crate) struct Options {
     force: bool,
     /// No progress and no notes
     #[arg(long)]
-    quiet: bool,
+    pub(super) quiet: bool,
     /// Print run.json to standard output at the end
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
-/// Runs a model.
+/// Runs a model, or the points of its sweep.
 pub(crate) fn run(options: &Options) -> Result<(), Stop> {
-    let begun = Instant::now();
+    let begun = (Instant::now(), 0.0);
     let mut model = load::model(&options.model, &options.set)?;
     if let Some(seed) = options.seed {
         model.run.seed = seed;
@@ -72,7 +73,11 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     };
     let threads = threads(options.threads.or(model.run.threads))?;
     let dir = options.out.clone().unwrap_or_else(|| Path::new("reports").join(&model.name));
-    let earlier = look(&dir, Claim { resume: options.resume, force: options.force })?;
+    let claim = Claim { resume: options.resume, force: options.force };
+    if let Some(sweep) = model.sweep.take() {
+        return sweep::run(options, &model, &sweep, &Place { dir, claim, block, threads });
+    }
+    let earlier = look(&dir, claim)?;
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().ok();
     if matches!(earlier, Earlier::Undrawn) {
         release(&dir);
@@ -82,58 +87,21 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     }
 
     let plan = Plan::new(model, block.end - block.start)?;
-    let ready = Ready::new(&plan).map_err(|error| match error {
-        NotReady::Model(error) => Stop::Model(error),
-        NotReady::Run(error) => Stop::Run(error),
-    })?;
-    let mut record = ensemble::record(&plan, &block, &ready, threads);
+    let ready = ready(&plan)?;
     // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
     let watch = Watch::on_terminal(options.quiet);
-    let _held = claim(&dir, &record, &earlier)?;
-    if let Earlier::Interrupted(then) = &earlier {
-        let (now, then) = (&mut record.performance, &then.performance);
-        now.wall_seconds = then.wall_seconds;
-        now.cpu_seconds = then.cpu_seconds;
-        now.peak_rss_bytes = then.peak_rss_bytes;
-    }
-    if !options.quiet {
-        announce(&plan, &record, &earlier, &dir, threads);
-    }
-    let concluded = match ensemble::run(&plan, &ready, record.clone(), &dir, &watch) {
-        Ok(concluded) => concluded,
-        Err(error) => {
-            // The folder may be what does not work: what can still be told there is.
-            (record.status, record.error) = ("failed".into(), Some(error.to_string()));
-            let _ = tables::write_record(&dir, &record);
-            tell!("what was finished is kept in {}", dir.join("checkpoint").display());
-            return Err(Stop::Run(error));
-        }
-    };
-    let Concluded { mut record, error, realizations, times } = concluded;
-    let performance = &mut record.performance;
-    performance.wall_seconds += begun.elapsed().as_secs_f64();
-    let used = usage();
-    performance.cpu_seconds += used.0;
-    performance.peak_rss_bytes = performance.peak_rss_bytes.max(used.1);
-    // The record last: a folder with a finished record is complete.
-    tables::write_record(&dir, &record)?;
-    if record.status == "finished" {
-        release(&dir);
-    }
-    if realizations > 0 && times > 0 {
-        let drawn = report::write(&dir);
-        // Drawing takes memory too.
-        record.performance.peak_rss_bytes = record.performance.peak_rss_bytes.max(usage().1);
-        tables::write_record(&dir, &record)?;
-        if drawn.is_err() {
-            tell!("the tables are written; draw figures and report with `gillesph report {}`", dir.display());
-        }
-        // A failed run says first why it failed.
-        if record.status == "finished" {
-            drawn?;
-        }
-    }
-    finish(&record, (realizations, times), error, &dir, options)
+    let (dir, earlier, tells) = (dir.as_path(), &earlier, !options.quiet);
+    let job = Job { dir, earlier, block, threads, tells, draws: true, begun };
+    let Concluded { record, error, realizations, times } = carry_out(&plan, &ready, &job, &watch)?;
+    finish(&record, (realizations, times), error, dir, options)
+}
+
+/// Where a model goes, and how much of it.
+pub(super) struct Place {
+    pub dir: PathBuf,
+    pub claim: Claim,
+    pub block: Range<u32>,
+    pub threads: usize,
 }
 
 /// Realizations asked for: `N`, or `A..B`.
@@ -175,38 +143,6 @@ fn threads(asked: Option<usize>) -> Result<usize, Fault> {
         )),
         Some(n) => Ok(n),
         None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
-    }
-}
-
-fn announce(plan: &Plan, record: &RunRecord, earlier: &Earlier, dir: &Path, threads: usize) {
-    let block = record.realizations;
-    let how = match earlier {
-        Earlier::Nothing | Earlier::Undrawn => "",
-        Earlier::Interrupted(_) => ", taken up where it was left",
-    };
-    tell!(
-        "{}: realizations {}..{} on {threads} thread{}, until {} s, into {}{how}",
-        plan.model.name,
-        block[0],
-        block[1],
-        if threads == 1 { "" } else { "s" },
-        plan.model.run.until,
-        dir.display()
-    );
-    if let Earlier::Interrupted(then) = earlier
-        && then.version != record.version
-    {
-        tell!(
-            "  it was begun by version {}, this is {}; what is kept has the same format",
-            then.version,
-            record.version
-        );
-    }
-    let steps = &record.steps;
-    for (what, step) in [("fluid", &steps.fluid), ("chemistry", &steps.chemistry)] {
-        if let Some(step) = step {
-            tell!("  {what} step {:.3e} s, limited by {}", step.step, step.limited_by);
-        }
     }
 }
 
@@ -256,20 +192,4 @@ fn finish(
         );
     }
     Ok(())
-}
-
-/// Processor seconds and peak resident memory (bytes) of this process, where the system tells; else zeros.
-fn usage() -> (f64, u64) {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let peak = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))
-        .and_then(|rest| rest.split_whitespace().next()?.parse::<u64>().ok())
-        .map_or(0, |kib| kib * 1024);
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // Fields 14 and 15 are user and system time in ticks of 1/100 s; the second field may hold spaces.
-    let ticks = stat.rsplit_once(')').map_or(0, |(_, rest)| {
-        rest.split_whitespace().skip(11).take(2).filter_map(|field| field.parse::<u64>().ok()).sum()
-    });
-    (ticks as f64 / 100.0, peak)
 }

@@ -14,6 +14,7 @@ mod memory;
 mod precision;
 mod record;
 mod states;
+pub mod sweep;
 
 pub use assemble::EXACT_UP_TO;
 pub use blocks::NotJoined;

@@ -20,6 +20,7 @@ mod profiles;
 mod sections;
 mod setup;
 mod svg;
+pub mod sweep;
 mod ticks;
 mod time;
 

@@ -14,6 +14,8 @@ pub enum Style {
     Dashed,
     /// Points as circles filled white.
     Points,
+    /// The inside of a closed line.
+    Area,
 }
 
 /// A named row of values.
@@ -32,6 +34,29 @@ impl Trace {
     #[must_use]
     pub fn new(name: &str, x: &[f64], y: &[f64], style: Style, colour: Colour) -> Trace {
         Trace { name: name.into(), x: x.to_vec(), y: y.to_vec(), style, colour }
+    }
+
+    /// The area between two curves; where one is no number there is none.
+    #[must_use]
+    pub fn band(name: &str, x: &[f64], low: &[f64], high: &[f64], colour: Colour) -> Trace {
+        let known = |&k: &usize| low[k].is_finite() && high[k].is_finite();
+        let there: Vec<usize> = (0..x.len()).filter(known).collect();
+        let along = |y: &[f64]| there.iter().map(|&k| y[k]).collect::<Vec<f64>>();
+        let mut trace = Trace::new(name, &along(x), &along(low), Style::Area, colour);
+        trace.x.extend(along(x).iter().rev());
+        trace.y.extend(along(high).iter().rev());
+        trace
+    }
+
+    /// A bar from low to high at each point.
+    #[must_use]
+    pub fn bars(x: &[f64], low: &[f64], high: &[f64], colour: Colour) -> Trace {
+        let mut trace = Trace::new("", &[], &[], Style::Line, colour);
+        for ((&x, &low), &high) in x.iter().zip(low).zip(high) {
+            trace.x.extend([x, x, f64::NAN]);
+            trace.y.extend([low, high, f64::NAN]);
+        }
+        trace
     }
 }
 
@@ -154,6 +179,7 @@ fn draw(d: &mut Drawing, panel: &Panel, plot: &Plot, trace: &Trace) {
             }
         }
         Style::Points => points.iter().filter(|p| p[0].is_finite()).for_each(|&p| dot(d, p, trace.colour)),
+        Style::Area => d.area(&points, trace.colour),
     }
 }
 
@@ -210,6 +236,7 @@ fn legend(d: &mut Drawing, panels: &[Plot]) {
             Style::Line => d.line(&line, 0.4, trace.colour),
             Style::Dashed => d.dashed(&line, 0.4, trace.colour),
             Style::Points => dot(d, [left + 2.5, top], trace.colour),
+            Style::Area => d.rectangle([left, top - 1.2], [5.0, 2.4], trace.colour),
         }
         d.text([left + 6.2, top], &trace.name, LABEL, BLACK, Anchor::Start);
         left += need;

@@ -1,8 +1,10 @@
 //! From files to a checked [`Model`]: every fault of every file in one report.
 
 use super::conditions::What;
+use super::flow_file::FlowFile;
 use super::node::{self, Node, Value};
 use super::reader::{Faults, Fields};
+use super::sweep::{self, Setting};
 use super::times::End;
 use super::{
     Chemistry, Integrator, Method, Model, Places, Run, domain, flow_file, initial, names, output, precision,
@@ -36,16 +38,61 @@ pub fn model(path: &Path, overrides: &[String]) -> Result<Model, ModelError> {
 
 /// Reads a model or a reactions file.
 pub fn document(path: &Path, overrides: &[String]) -> Result<Document, ModelError> {
-    let source = read_file(path, None)?;
+    read_document(path, &Changes { files: &[], overrides, point: None })
+}
+
+/// The model at one point of its sweep, without a sweep of its own. The files are those that were read for `base`,
+/// whatever stands on the disk by now.
+///
+/// # Errors
+/// All faults at this point.
+pub fn point(path: &Path, base: &ModelText, settings: &[Setting]) -> Result<Model, ModelError> {
+    let changes = Changes { files: &base.files, overrides: &base.overrides, point: Some(settings) };
+    match read_document(path, &changes)? {
+        Document::Model(model) => Ok(*model),
+        Document::Reactions(_) => {
+            Err(Fault::general("a reactions file has no sweep", "sweep the parameters of a model").into())
+        }
+    }
+}
+
+/// What is changed in the documents before they are read.
+struct Changes<'a> {
+    /// Files that were read before: path as shown and text.
+    files: &'a [(String, String)],
+    /// `path.to.key=value` of `--set`.
+    overrides: &'a [String],
+    /// Values of a point of a sweep.
+    point: Option<&'a [Setting]>,
+}
+
+impl Changes<'_> {
+    /// Puts the changes into a document; `here` is what a path is called in it, if it leads there.
+    fn put(&self, root: &mut Node, here: &dyn Fn(&str) -> Option<String>, faults: &mut Faults) {
+        let set =
+            self.overrides.iter().filter_map(|a| here(a)).map(|a| node::set(root, &a)).collect::<Vec<_>>();
+        let settings = self.point.unwrap_or_default().iter();
+        let swept = settings.filter_map(|s| Some(node::put(root, &here(&s.path)?, s.node.clone(), &s.key)));
+        let swept: Vec<_> = swept.collect();
+        faults.list.extend(set.into_iter().chain(swept).filter_map(Result::err));
+    }
+
+    /// The assignments that make up these changes.
+    fn assignments(&self) -> Vec<String> {
+        let settings = self.point.unwrap_or_default().iter().map(Setting::assignment);
+        self.overrides.iter().cloned().chain(settings).collect()
+    }
+}
+
+fn read_document(path: &Path, changes: &Changes) -> Result<Document, ModelError> {
+    let source = read_file(path, None, changes.files)?;
     let mut root = node::parse(&source)?;
+    sweep::rejoin(&mut root);
     let mut faults = Faults::default();
     // What is set below `reactions` may belong to a file of its own, which is read later.
     let names_file = root.field("reactions").is_some_and(|n| matches!(n.value, Value::Text(_)));
-    for assignment in overrides.iter().filter(|a| !(names_file && below_reactions(a).is_some())) {
-        if let Err(fault) = node::set(&mut root, assignment) {
-            faults.list.push(fault);
-        }
-    }
+    let here = |path: &str| (!(names_file && below_reactions(path).is_some())).then(|| path.to_string());
+    changes.put(&mut root, &here, &mut faults);
     let is_reactions = matches!(&root.value, Value::Map(entries)
         if entries.iter().any(|(k, _)| k.name == "species") && !entries.iter().any(|(k, _)| k.name == "domain"));
     if is_reactions {
@@ -58,9 +105,9 @@ pub fn document(path: &Path, overrides: &[String]) -> Result<Document, ModelErro
     let mut text = ModelText {
         hash: String::new(),
         files: vec![(source.path.clone(), source.text.clone())],
-        overrides: overrides.to_vec(),
+        overrides: changes.assignments(),
     };
-    let model = read(&root, path, &mut text, &mut faults);
+    let model = read(&root, path, changes, &mut text, &mut faults);
     match model {
         Some(mut model) if faults.list.is_empty() => {
             text.hash = hash(&text);
@@ -89,8 +136,16 @@ fn hash(text: &ModelText) -> String {
     hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn read_file(path: &Path, asked_at: Option<&Place>) -> Result<Arc<Source>, Fault> {
+/// A file, if it is not among those `known`.
+fn read_file(
+    path: &Path,
+    asked_at: Option<&Place>,
+    known: &[(String, String)],
+) -> Result<Arc<Source>, Fault> {
     let shown = path.display().to_string();
+    if let Some((_, text)) = known.iter().find(|(path, _)| *path == shown) {
+        return Ok(Arc::new(Source { path: shown, text: text.clone() }));
+    }
     std::fs::read_to_string(path).map(|text| Arc::new(Source { path: shown.clone(), text })).map_err(
         |error| {
             let reason = match error.kind() {
@@ -124,7 +179,13 @@ fn tidy(path: &Path) -> PathBuf {
     tidy
 }
 
-fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> Option<Model> {
+fn read(
+    root: &Node,
+    path: &Path,
+    changes: &Changes,
+    text: &mut ModelText,
+    faults: &mut Faults,
+) -> Option<Model> {
     let mut fields = Fields::of(root, "the model", faults)?;
     let name = fields.required("name", faults).and_then(|n| {
         let name = n.text(faults)?;
@@ -151,12 +212,18 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
     let initial_node = fields.optional("initial");
     let run_node = fields.required("run", faults);
     let output_node = fields.optional("output");
+    let sweep_node = fields.optional("sweep").filter(|_| changes.point.is_none());
     fields.finish(faults);
 
-    let network = network_node.and_then(|n| network(n, path, text, faults));
+    let network = network_node.and_then(|n| network(n, path, changes, text, faults));
     let run = run_node.and_then(|n| output::read_run(n, faults));
     let chemistry = chemistry(chemistry_node, faults);
     let network = network?;
+    let seed = run.as_ref().map_or(1, |run| run.seed);
+    let read_so_far = text.clone();
+    let at =
+        |settings: &[Setting]| point(path, &read_so_far, settings).err().map_or_else(Vec::new, |e| e.faults);
+    let sweep = sweep_node.and_then(|n| sweep::read(n, &network, seed, changes.overrides, &at, faults));
     let domain = domain_node.and_then(|node| {
         domain::read(
             &domain::Sections {
@@ -183,6 +250,13 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
     let output = output::read_output(output_node, end, &domain, &network, precision.as_mut(), faults);
     let run = Run { until_precision: precision, ..run? };
     let flow = flow_node.and_then(|n| flow_file::read(n, path.parent().unwrap_or(Path::new("")), faults));
+    if let (Some(node), Some(_), Some(FlowFile::Record(_))) = (flow_node, sweep_node, &flow) {
+        faults.at(
+            &node.place,
+            "every point of the sweep would record its flow into the same file",
+            "record it at one point first, with --set sweep=null, then replay it",
+        );
+    }
     if let Some(node) = flow_node {
         let reason = match &domain {
             domain::Domain::Particles(domain) if domain.fluid.is_some() => {
@@ -211,6 +285,7 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
         initial,
         run,
         output: output?,
+        sweep,
         text: ModelText::default(),
         places: Places {
             document: root.place.clone(),
@@ -223,13 +298,19 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
 }
 
 /// The network given inline, or in a file of its own.
-fn network(node: &Node, model_path: &Path, text: &mut ModelText, faults: &mut Faults) -> Option<Network> {
+fn network(
+    node: &Node,
+    model_path: &Path,
+    changes: &Changes,
+    text: &mut ModelText,
+    faults: &mut Faults,
+) -> Option<Network> {
     if matches!(node.value, Value::Map(_)) {
         return reactions::read(node, faults);
     }
     let relative = node.text(faults)?;
     let path = tidy(&model_path.parent().unwrap_or(Path::new("")).join(relative));
-    match read_file(&path, Some(&node.place)) {
+    match read_file(&path, Some(&node.place), changes.files) {
         Err(fault) => {
             faults.list.push(fault);
             None
@@ -238,11 +319,8 @@ fn network(node: &Node, model_path: &Path, text: &mut ModelText, faults: &mut Fa
             text.files.push((source.path.clone(), source.text.clone()));
             match node::parse(&source) {
                 Ok(mut root) => {
-                    for assignment in text.overrides.iter().filter_map(|a| below_reactions(a)) {
-                        if let Err(fault) = node::set(&mut root, assignment) {
-                            faults.list.push(fault);
-                        }
-                    }
+                    let here = |path: &str| below_reactions(path).map(str::to_string);
+                    changes.put(&mut root, &here, faults);
                     reactions::read(&root, faults)
                 }
                 Err(error) => {

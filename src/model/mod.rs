@@ -17,6 +17,7 @@ pub mod probes;
 pub mod reactions;
 pub mod reader;
 pub mod shapes;
+pub mod sweep;
 mod times;
 
 use crate::chemistry::{Network, Representation};
@@ -32,6 +33,7 @@ pub use initial::{Amount, Deal, Initial};
 pub use output::{Output, Run};
 pub use precision::Precision;
 pub use probes::{Probe, ProbeShape};
+pub use sweep::Sweep;
 
 /// A checked model, everything in SI units, groups and species by index.
 #[derive(Clone, Debug)]
@@ -47,6 +49,8 @@ pub struct Model {
     pub initial: Vec<Initial>,
     pub run: Run,
     pub output: Output,
+    /// Values to run it with, one point after the other; none of a single point.
+    pub sweep: Option<Sweep>,
     pub text: ModelText,
     /// Where parts of the document stand, for faults found while the plan is made.
     pub places: Places,

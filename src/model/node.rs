@@ -5,7 +5,7 @@
 mod assign;
 mod span;
 
-pub use assign::set;
+pub use assign::{put, set};
 
 use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::did_you_mean;

@@ -11,6 +11,7 @@ mod html;
 mod numbers;
 mod sections;
 mod summary;
+mod sweep;
 
 use crate::error::RunError;
 use crate::figures::{self, Figure, Samples, escape};
@@ -18,11 +19,14 @@ use crate::tables;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Draws `figures/` and writes `report.html` in a run's folder.
+/// Draws `figures/` and writes `report.html` in the folder of a run or a sweep.
 ///
 /// # Errors
 /// [`RunError::File`] if the record is missing, a table cannot be read or a file cannot be written.
 pub fn write(dir: &Path) -> Result<(), RunError> {
+    if tables::is_sweep(dir) {
+        return sweep::write(dir);
+    }
     let samples = Samples::read(dir)?;
     let drawn = figures::draw(&samples);
     let folder = dir.join("figures");
@@ -73,13 +77,7 @@ fn inline(figure: &Figure, number: usize, folder: &Path) -> Result<String, RunEr
 
 fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
     let record = &samples.record;
-    let mut out = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
-        escape(&record.name),
-        include_str!("style.css")
-    );
+    let mut out = head(&record.name);
     out += &summary::summary(samples);
     for (k, heading) in SECTIONS.iter().enumerate() {
         if k == 1 {
@@ -96,10 +94,25 @@ fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
     out += &sections::health(record);
     out += &sections::cost(record);
     out += &sections::provenance(record);
-    out += &format!(
+    out + &foot(&record.program, &record.version)
+}
+
+/// The page up to its heading.
+fn head(name: &str) -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
+        escape(name),
+        include_str!("style.css")
+    )
+}
+
+/// The end of the page.
+fn foot(program: &str, version: &str) -> String {
+    format!(
         "<footer>{} {}; figures also as files under <code>figures/</code>, numbers under <code>tables/</code>.</footer>\n</body>\n</html>\n",
-        escape(&record.program),
-        escape(&record.version)
-    );
-    out
+        escape(program),
+        escape(version)
+    )
 }

@@ -3,7 +3,7 @@
 use super::html::{table, table_of_html, typeset};
 use crate::figures::escape;
 use crate::quantity::readable::{grouped, show, significant};
-use crate::record::RunRecord;
+use crate::record::{ModelText, RunRecord};
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -229,13 +229,15 @@ pub fn provenance(record: &RunRecord) -> String {
     if !record.model.overrides.is_empty() {
         rows.push(vec!["set on the command line".into(), record.model.overrides.join(", ")]);
     }
-    let mut out = String::from("<h2>Provenance</h2>\n");
-    out += &table(&["what", ""], &[], &rows);
-    for (path, text) in &record.model.files {
-        out +=
-            &format!("<details><summary>{}</summary><pre>{}</pre></details>\n", escape(path), escape(text));
-    }
-    out
+    format!("<h2>Provenance</h2>\n{}{}", table(&["what", ""], &[], &rows), files(&record.model))
+}
+
+/// The files of a model word for word.
+pub fn files(model: &ModelText) -> String {
+    let file = |(path, text): &(String, String)| {
+        format!("<details><summary>{}</summary><pre>{}</pre></details>\n", escape(path), escape(text))
+    };
+    model.files.iter().map(file).collect()
 }
 
 fn list(items: &[String]) -> String {

@@ -15,6 +15,7 @@ mod interval;
 mod normal;
 mod power;
 mod quantiles;
+mod ranks;
 mod rare;
 mod spread;
 mod student;
@@ -33,6 +34,7 @@ pub use interval::{Interval, correlation_interval, mean_interval, proportion_int
 pub use normal::{normal_cdf, normal_quantile, normal_tail};
 pub use power::{detectable, power};
 pub use quantiles::Quantiles;
+pub use ranks::{ranks, spearman};
 pub use rare::fisher_exact;
 pub use spread::obrien;
 pub use student::{student_critical, student_p_value, student_quantile};

@@ -89,9 +89,14 @@ impl Table {
 
     /// Reads at most the first `rows` rows of a file.
     pub fn read_head(path: &Path, rows: usize) -> Result<Table, RunError> {
+        Table::read_part(path, 0, rows)
+    }
+
+    /// Reads at most `rows` rows of a file after the first `from`.
+    pub fn read_part(path: &Path, from: usize, rows: usize) -> Result<Table, RunError> {
         let fault = |reason: String| RunError::File { path: path.display().to_string(), reason };
         let file = File::open(path).map_err(|e| fault(e.to_string()))?;
-        let slice = (rows < usize::MAX).then_some((0, rows));
+        let slice = (rows < usize::MAX).then_some((from, rows));
         let frame = ParquetReader::new(file).with_slice(slice).finish().map_err(|e| fault(e.to_string()))?;
         Ok(Table { path: path.to_path_buf(), frame })
     }

@@ -10,18 +10,20 @@ mod probes;
 mod record;
 mod series;
 mod summary;
+mod sweep;
 mod time_averages;
 
 pub use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
 pub use comparisons::{ComparisonRow, write_comparison};
 pub use particles::{list_particles, read_particles, write_particles};
 pub use probes::{ProbesWriter, read_probes, read_probes_head, write_probes};
-pub use record::{read_record, write_record};
+pub use record::{is_sweep, read_record, read_sweep_record, write_record, write_sweep_record};
 pub use series::{SeriesTable, SeriesWriter, read_series, read_series_head, write_series};
 pub use summary::{
     Bin, CovarianceRow, CovarianceWriter, StatisticsRow, StatisticsWriter, read_covariance, read_histograms,
     read_statistics, write_histograms,
 };
+pub use sweep::{SweepRow, SweepWriter, read_sweep_ends};
 pub use time_averages::{
     TimeAverageRow, averages_of, averages_of_all, read_time_averages, write_time_averages,
 };

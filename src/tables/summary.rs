@@ -64,28 +64,15 @@ impl<'a> StatisticsWriter<'a> {
     /// As [`StatisticsWriter::new`].
     pub fn push(&mut self, times: &[f64], rows: &[Summary]) -> Result<(), RunError> {
         let (width, columns) = (self.columns.len().max(1), self.columns);
-        let column =
-            |name: &str, value: fn(&Summary) -> f64| frame::reals(name, rows.iter().map(value).collect());
         let names =
             |of: &'a [String]| -> Vec<&'a str> { (0..rows.len()).map(|k| of[k % width].as_str()).collect() };
-        self.sheet.push(DataFrame::new_infer_height(vec![
+        let mut all = vec![
             frame::reals("time", (0..rows.len()).map(|k| times[k / width]).collect()),
             frame::text("group", &names(&columns.groups)),
             frame::text("species", &names(&columns.species)),
-            frame::whole("realizations", rows.iter().map(|s| s.count as u32).collect()),
-            column("mean", |s| s.mean),
-            column("variance", |s| s.variance),
-            column("sd", |s| s.sd),
-            column("sem", |s| s.sem),
-            column("min", |s| s.min),
-            column("q05", |s| s.q05),
-            column("q25", |s| s.q25),
-            column("median", |s| s.median),
-            column("q75", |s| s.q75),
-            column("q95", |s| s.q95),
-            column("max", |s| s.max),
-            column("fano", |s| s.fano),
-        ]))
+        ];
+        all.extend(summary_columns(rows));
+        self.sheet.push(DataFrame::new_infer_height(all))
     }
 
     /// Completes the table.
@@ -97,12 +84,29 @@ impl<'a> StatisticsWriter<'a> {
     }
 }
 
-/// Reads `tables/statistics.parquet` below `dir`.
-///
-/// # Errors
-/// [`RunError::File`] if the file or a column is missing.
-pub fn read_statistics(dir: &Path) -> Result<Vec<StatisticsRow>, RunError> {
-    let table = Table::read(&dir.join("tables/statistics.parquet"))?;
+/// The columns of summaries, from `realizations` on.
+pub(super) fn summary_columns(rows: &[Summary]) -> Vec<Column> {
+    let column =
+        |name: &str, value: fn(&Summary) -> f64| frame::reals(name, rows.iter().map(value).collect());
+    vec![
+        frame::whole("realizations", rows.iter().map(|s| s.count as u32).collect()),
+        column("mean", |s| s.mean),
+        column("variance", |s| s.variance),
+        column("sd", |s| s.sd),
+        column("sem", |s| s.sem),
+        column("min", |s| s.min),
+        column("q05", |s| s.q05),
+        column("q25", |s| s.q25),
+        column("median", |s| s.median),
+        column("q75", |s| s.q75),
+        column("q95", |s| s.q95),
+        column("max", |s| s.max),
+        column("fano", |s| s.fano),
+    ]
+}
+
+/// Rows of time, group, species and summary.
+pub(super) fn summary_rows(table: &Table) -> Result<Vec<StatisticsRow>, RunError> {
     let (time, group, species) = (table.reals("time")?, table.text("group")?, table.text("species")?);
     let count = table.whole("realizations")?;
     let names = ["mean", "variance", "sd", "sem", "min", "q05", "q25", "median", "q75", "q95", "max", "fano"];
@@ -128,6 +132,14 @@ pub fn read_statistics(dir: &Path) -> Result<Vec<StatisticsRow>, RunError> {
         },
     };
     Ok((0..table.rows()).map(row).collect())
+}
+
+/// Reads `tables/statistics.parquet` below `dir`.
+///
+/// # Errors
+/// [`RunError::File`] if the file or a column is missing.
+pub fn read_statistics(dir: &Path) -> Result<Vec<StatisticsRow>, RunError> {
+    summary_rows(&Table::read(&dir.join("tables/statistics.parquet"))?)
 }
 
 /// Writes `tables/covariance.parquet`: the full symmetric matrix of all columns at each time.

@@ -1,4 +1,4 @@
-//! `--set path.to.key=value`: one value of the tree replaced before it is read.
+//! One value of the tree replaced before it is read: `--set path.to.key=value`, a point of a sweep.
 
 use super::{Key, Node, Value, known_keys, parse_value};
 use crate::error::{Fault, Place, Source};
@@ -35,18 +35,34 @@ pub fn set(root: &mut Node, assignment: &str) -> Result<(), Fault> {
     }
     let key_place = Place { source: source.clone(), line: 1, column: 1, width: 1 };
     place_at(root, &steps, 0, node, &key_place)
+        .map_err(|(reason, remedy)| Fault::general(format!("\"{}\": {reason}", source.path), remedy))
 }
 
-fn place_at(at: &mut Node, steps: &[&str], depth: usize, node: Node, key_place: &Place) -> Result<(), Fault> {
+/// Puts a node at `path.to.key`, as [`set`] does; keys that are added stand at `place`, and so does a fault.
+///
+/// # Errors
+/// A path that does not lead anywhere (naming the known keys).
+pub fn put(root: &mut Node, path: &str, node: Node, place: &Place) -> Result<(), Fault> {
+    let steps: Vec<&str> = path.split('.').collect();
+    place_at(root, &steps, 0, node, place).map_err(|(reason, remedy)| Fault::at(place, reason, remedy))
+}
+
+/// Reason and remedy of a path that leads nowhere.
+type Nowhere = (String, String);
+
+fn place_at(
+    at: &mut Node,
+    steps: &[&str],
+    depth: usize,
+    node: Node,
+    key_place: &Place,
+) -> Result<(), Nowhere> {
     let Some(step) = steps.get(depth) else {
         *at = node;
         return Ok(());
     };
     let before =
         if depth == 0 { "the top level".to_string() } else { format!("\"{}\"", steps[..depth].join(".")) };
-    let fault = |reason: String, remedy: String| {
-        Fault::general(format!("\"{}\": {reason}", key_place.source.path), remedy)
-    };
     match &mut at.value {
         Value::Map(entries) => {
             if let Some((_, inner)) = entries.iter_mut().find(|(key, _)| key.name == *step) {
@@ -59,7 +75,7 @@ fn place_at(at: &mut Node, steps: &[&str], depth: usize, node: Node, key_place: 
             let known = || entries.iter().map(|(key, _)| key.name.as_str());
             if nearest(step, known()).is_some() {
                 // More likely a slip than a section the document left out.
-                return Err(fault(format!("there is no \"{step}\" in {before}"), known_keys(step, known())));
+                return Err((format!("there is no \"{step}\" in {before}"), known_keys(step, known())));
             }
             let mut section = Node { place: key_place.clone(), value: Value::Map(Vec::new()) };
             place_at(&mut section, steps, depth + 1, node, key_place)?;
@@ -70,7 +86,7 @@ fn place_at(at: &mut Node, steps: &[&str], depth: usize, node: Node, key_place: 
             let length = items.len();
             match step.parse::<usize>().ok().and_then(|index| items.get_mut(index)) {
                 Some(inner) => place_at(inner, steps, depth + 1, node, key_place),
-                None => Err(fault(
+                None => Err((
                     format!("{before} is a list of {length} without an entry {step}"),
                     "entries are numbered from 0".to_string(),
                 )),
@@ -83,7 +99,7 @@ fn place_at(at: &mut Node, steps: &[&str], depth: usize, node: Node, key_place: 
         }
         _ => {
             let found = at.describe();
-            Err(fault(format!("{before} is {found} and has no \"{step}\""), String::new()))
+            Err((format!("{before} is {found} and has no \"{step}\""), String::new()))
         }
     }
 }
