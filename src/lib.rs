@@ -19,6 +19,7 @@
 //! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
 //! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
 //! | [`ensemble`], [`results`] | a block of realizations from plan to folder; joining blocks |
+//! | [`cluster`] | an ensemble as many jobs: folders of blocks, scripts for schedulers, where each block stands |
 //! | [`import`] | models of other programs (SBML) -> files as a user would write them |
 //! | [`validation`], [`cli`] | published cases; the command line |
 //!
@@ -70,6 +71,7 @@ pub mod figures;
 pub mod report;
 pub mod vtk;
 
+pub mod cluster;
 pub mod ensemble;
 pub mod import;
 pub mod results;
