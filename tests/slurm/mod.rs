@@ -242,11 +242,6 @@ SlurmctldPidFile={here}/slurmctld.pid
 SlurmdPidFile={here}/slurmd.pid
 PlugStackConfig=/dev/null
 {plugins}ProctrackType=proctrack/linuxproc
-TaskPlugin=task/none
-SwitchType=switch/none
-MpiDefault=none
-JobAcctGatherType=jobacct_gather/none
-AccountingStorageType=accounting_storage/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 SchedulerParameters=sched_interval=1,batch_sched_delay=0
