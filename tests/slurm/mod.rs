@@ -163,9 +163,8 @@ fn said(command: &mut Command) -> Result<String, String> {
     if output.status.success() {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
-    let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
-    let words: Vec<_> = command.get_args().map(|word| word.to_string_lossy().into_owned()).collect();
-    Err(format!("{} {}: {complaint}", command.get_program().display(), words.join(" ")))
+    let complaint = String::from_utf8_lossy(&output.stderr).trim().replace('\n', "; ");
+    Err(format!("{}: {complaint}", command.get_program().display()))
 }
 
 /// Folders, then what a variable of this process holds.
