@@ -18,7 +18,7 @@
 //! | [`sampling`], [`simulation`] | what is seen when; realizations on one flow, at rest, or event driven |
 //! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
 //! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
-//! | [`ensemble`], [`results`] | a block of realizations from plan to folder; joining blocks |
+//! | [`ensemble`] | many realizations from plan to tables: journal, states to resume from, joining blocks |
 //! | [`cluster`] | an ensemble as many jobs: folders of blocks, scripts for schedulers, where each block stands |
 //! | [`import`] | models of other programs (SBML) -> files as a user would write them |
 //! | [`validation`], [`cli`] | published cases; the command line |
@@ -71,10 +71,10 @@ pub mod figures;
 pub mod report;
 pub mod vtk;
 
-pub mod cluster;
 pub mod ensemble;
+
+pub mod cluster;
 pub mod import;
-pub mod results;
 pub mod validation;
 
 pub mod cli;

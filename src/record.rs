@@ -27,6 +27,9 @@ pub const PARTICLE_COLUMNS: [&str; 13] = [
 pub struct RunRecord {
     pub program: String,
     pub version: String,
+    /// Of what is kept while it runs: a run can be taken up by a program that has the same.
+    #[serde(default)]
+    pub format: u32,
     /// `running`, `interrupted`, `failed` or `finished`.
     pub status: String,
     /// What stopped a failed run.

@@ -1,5 +1,7 @@
 //! What a run has shown, as plain arrays: what the tables are written from and read back to.
 
+use serde::{Deserialize, Serialize};
+
 /// What the columns of a [`SeriesBlock`] are: column c is species `species[c]` in group `groups[c]`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Columns {
@@ -28,7 +30,7 @@ impl Columns {
 }
 
 /// One realization, row-major times x columns.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SeriesBlock {
     pub realization: u32,
     /// Molecules.
@@ -38,7 +40,7 @@ pub struct SeriesBlock {
 }
 
 /// One quantity along one probe in one realization at one time; the arrays are parallel.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProbeRows {
     pub probe: String,
     pub realization: u32,
@@ -54,7 +56,7 @@ pub struct ProbeRows {
 }
 
 /// All particles of one realization at one time; the arrays are parallel.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParticleFrame {
     /// s.
     pub time: f64,

@@ -4,12 +4,13 @@ use crate::chemistry::{AVOGADRO, GroupSet, Links};
 use crate::error::RunError;
 use crate::fluid::open::Presence;
 use crate::fluid::surface::{Facing, Surface, facing};
-use crate::fluid::{BodyKind, Flow, Setup, Snapshot, Voxels, exchange};
+use crate::fluid::{self, BodyKind, Flow, Setup, Snapshot, Voxels, exchange};
 use crate::geometry::shape::embed;
 use crate::model::conditions::WallName;
 use crate::plan::ParticlePlan;
 use crate::plan::start::Voxels as Places;
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// The geometry of a particle plan at an instant, and the flow that moves it, if there is one.
 pub struct Scene<'p, const D: usize> {
@@ -30,6 +31,14 @@ pub struct Scene<'p, const D: usize> {
     momentum: Option<Momentum<D>>,
 }
 
+/// What must be kept of a scene to go on with it later.
+#[derive(Serialize, Deserialize)]
+pub struct Image<'a, const D: usize> {
+    flow: Option<fluid::Image<'a, D>>,
+    presence: Vec<Presence>,
+    momentum: Option<Momentum<D>>,
+}
+
 /// Particles that crossed an open end during a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Crossings {
@@ -39,7 +48,7 @@ pub struct Crossings {
 }
 
 /// Momentum of a fluid that nothing holds, per unit thickness: kg m/s times m^(D-3).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Momentum<const D: usize> {
     /// At the first step; `None` before.
     start: Option<Vector<D>>,
@@ -70,10 +79,16 @@ impl<'p, const D: usize> Scene<'p, D> {
                 Vector::from_fn(|k, _| velocity[k])
             });
         }
+        Ok(Scene::at_rest(plan).with_flow(flow))
+    }
+
+    /// The particles where they are placed, without a flow.
+    #[must_use]
+    pub fn at_rest(plan: &'p ParticlePlan<D>) -> Scene<'p, D> {
         let count = plan.particles.len();
-        let mut scene = Scene {
+        Scene {
             plan,
-            flow,
+            flow: None,
             snapshot: Snapshot {
                 position: plan.particles.iter().map(|p| p.position).collect(),
                 velocity: vec![Vector::zeros(); count],
@@ -94,9 +109,39 @@ impl<'p, const D: usize> Scene<'p, D> {
                 impulse: Vector::zeros(),
                 force: weight(setup),
             }),
-        };
-        scene.look();
-        Ok(scene)
+        }
+    }
+
+    /// The scene of a plan with a flow of that plan as it is now.
+    #[must_use]
+    pub fn with_flow(mut self, flow: Option<Flow<D>>) -> Scene<'p, D> {
+        self.flow = flow;
+        self.look();
+        self
+    }
+
+    /// What must be kept to go on later.
+    #[must_use]
+    pub fn image(&self) -> Image<'_, D> {
+        Image {
+            flow: self.flow.as_ref().map(Flow::image),
+            presence: self.presence.clone(),
+            momentum: self.momentum,
+        }
+    }
+
+    /// Goes back to an image; `None` if it belongs to another plan.
+    #[must_use]
+    pub fn restore(&mut self, image: Image<D>) -> Option<()> {
+        match (&mut self.flow, image.flow) {
+            (Some(flow), Some(kept)) => flow.restore(kept)?,
+            (None, None) => {}
+            _ => return None,
+        }
+        self.momentum = image.momentum;
+        self.presence = image.presence;
+        self.look();
+        Some(())
     }
 
     /// Reads places and volumes off the flow.

@@ -1,11 +1,11 @@
 //! The verb `run`.
 
 use super::{Stop, print};
-use crate::ensemble;
+use crate::ensemble::{self, Claim, Concluded, Earlier, claim, look, release};
 use crate::error::{Fault, RunError};
 use crate::model::load;
 use crate::plan::Plan;
-use crate::results::Results;
+use crate::record::RunRecord;
 use crate::simulation::{NotReady, Ready, Watch};
 use crate::{report, tables};
 use clap::Args;
@@ -57,7 +57,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     let block = block(options.realizations.as_deref(), model.run.realizations)?;
     let threads = threads(options.threads.or(model.run.threads))?;
     let dir = options.out.clone().unwrap_or_else(|| Path::new("reports").join(&model.name));
-    let earlier = folder(&dir, options)?;
+    let earlier = look(&dir, Claim { resume: options.resume, force: options.force })?;
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().ok();
 
     let plan = Plan::new(model, block.end - block.start)?;
@@ -65,50 +65,54 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
         NotReady::Model(error) => Stop::Model(error),
         NotReady::Run(error) => Stop::Run(error),
     })?;
-    let record = ensemble::record(&plan, &block, ready.steps(), threads);
-    let mut results = ensemble::empty(&plan, record);
+    let mut record = ensemble::record(&plan, &block, ready.steps(), threads);
     // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
     let watch = Watch::on_terminal(options.quiet);
-    if let Some(earlier) = earlier {
-        take_up(&mut results, earlier, &dir)?;
-    } else {
-        // Nothing was written yet: a folder that cannot be used is a fault of the input.
-        clear(&dir).map_err(|error| Fault::general(error.to_string(), "name another folder with --out"))?;
+    let held = claim(&dir, &record, &earlier)?;
+    if let Earlier::Interrupted(then) = &earlier {
+        let (now, then) = (&mut record.performance, &then.performance);
+        now.wall_seconds = then.wall_seconds;
+        now.cpu_seconds = then.cpu_seconds;
+        now.peak_rss_bytes = then.peak_rss_bytes;
     }
-    let wanted: Vec<u32> = block
-        .clone()
-        .filter(|r| results.blocks.binary_search_by_key(r, |b| b.realization).is_err())
-        .collect();
     if !options.quiet {
-        announce(&plan, &results, &wanted, &dir, threads);
+        announce(&plan, &record, &earlier, &dir, threads);
     }
-    tables::write_record(&dir, &results.record)?;
-
-    let mut outcome = ready.run(&wanted, &watch);
-    watch.end();
-    ensemble::keep(&mut results, &dir, &mut outcome, plan.model.output.vtk)?;
-    ensemble::conclude(&plan, &mut results, &outcome.tally, outcome.error.as_ref(), outcome.interrupted);
-    let performance = &mut results.record.performance;
+    let concluded = match ensemble::run(&plan, &ready, record.clone(), &dir, &watch) {
+        Ok(concluded) => concluded,
+        Err(error) => {
+            // The folder may be what does not work: what can still be told there is.
+            (record.status, record.error) = ("failed".into(), Some(error.to_string()));
+            let _ = tables::write_record(&dir, &record);
+            tell!("what was finished is kept in {}", dir.join("checkpoint").display());
+            return Err(Stop::Run(error));
+        }
+    };
+    let Concluded { mut record, error, realizations, times } = concluded;
+    let performance = &mut record.performance;
     performance.wall_seconds += begun.elapsed().as_secs_f64();
     let used = usage();
     performance.cpu_seconds += used.0;
     performance.peak_rss_bytes = performance.peak_rss_bytes.max(used.1);
-    results.write(&dir)?;
-    if !results.blocks.is_empty() && !results.times.is_empty() {
+    // The record last: a folder with a finished record is complete.
+    tables::write_record(&dir, &record)?;
+    if record.status == "finished" {
+        release(&dir, held);
+    }
+    if realizations > 0 && times > 0 {
         let drawn = report::write(&dir);
         // Drawing takes memory too.
-        let performance = &mut results.record.performance;
-        performance.peak_rss_bytes = performance.peak_rss_bytes.max(usage().1);
-        tables::write_record(&dir, &results.record)?;
+        record.performance.peak_rss_bytes = record.performance.peak_rss_bytes.max(usage().1);
+        tables::write_record(&dir, &record)?;
         if drawn.is_err() {
             tell!("the tables are written; draw figures and report with `gillesph report {}`", dir.display());
         }
         // A failed run says first why it failed.
-        if results.record.status == "finished" {
+        if record.status == "finished" {
             drawn?;
         }
     }
-    finish(&results, outcome.error, &dir, options)
+    finish(&record, (realizations, times), error, &dir, options)
 }
 
 /// Realizations asked for: `N`, or `A..B`.
@@ -153,128 +157,31 @@ fn threads(asked: Option<usize>) -> Result<usize, Fault> {
     }
 }
 
-/// Looks at the folder to write: refuses one that is in use, reads what an interrupted run left.
-fn folder(dir: &Path, options: &Options) -> Result<Option<Results>, Stop> {
-    let shown = dir.display();
-    if dir.exists() && !dir.is_dir() {
-        return Err(Fault::general(format!("{shown} is not a folder"), "name another one with --out").into());
-    }
-    let empty = !dir.exists() || dir.read_dir().is_ok_and(|mut entries| entries.next().is_none());
-    if empty {
-        if options.resume {
-            return Err(
-                Fault::general(format!("{shown} holds no run to resume"), "leave out --resume").into()
-            );
-        }
-        return Ok(None);
-    }
-    let record = match tables::read_record(dir) {
-        Ok(record) => record,
-        Err(error) => {
-            let reason = if dir.join("run.json").exists() {
-                format!("{shown} holds a run that cannot be read: {error}")
-            } else {
-                format!("{shown} is not empty and holds no run of this program")
-            };
-            return Err(Fault::general(reason, "name another folder with --out").into());
-        }
+fn announce(plan: &Plan, record: &RunRecord, earlier: &Earlier, dir: &Path, threads: usize) {
+    let block = record.realizations;
+    let how = match earlier {
+        Earlier::Nothing => "",
+        Earlier::Interrupted(_) => ", taken up where it was left",
     };
-    if options.force {
-        return Ok(None);
-    }
-    if record.status == "finished" {
-        let reason = format!("{shown} already holds a finished run");
-        return Err(
-            Fault::general(reason, "name another folder with --out, or replace it with --force").into()
-        );
-    }
-    if !options.resume {
-        let state = match record.status.as_str() {
-            "running" => "is still going on, or was cut off",
-            "failed" => "failed",
-            _ => "was interrupted",
-        };
-        let reason = format!("{shown} holds a run that {state} ({} realizations finished)", record.finished);
-        return Err(Fault::general(reason, "finish it with --resume, or replace it with --force").into());
-    }
-    if !dir.join("tables/series.parquet").exists() {
-        // Stopped before anything was finished.
-        return Ok(Some(Results {
-            record,
-            times: Vec::new(),
-            columns: tables::Columns::default(),
-            blocks: Vec::new(),
-            probes: Vec::new(),
-            covariance: false,
-        }));
-    }
-    Ok(Some(Results::read(dir)?))
-}
-
-/// Takes the finished realizations of an interrupted run into the results.
-fn take_up(results: &mut Results, earlier: Results, dir: &Path) -> Result<(), Stop> {
-    let (now, then) = (&results.record, &earlier.record);
-    let mut faults = Vec::new();
-    for (what, differs) in [
-        ("model (its text, or a value given with --set)", now.model.hash != then.model.hash),
-        ("seed", now.seed != then.seed),
-        ("block of realizations", now.realizations != then.realizations),
-        ("program version", now.version != then.version),
-    ] {
-        if differs {
-            faults.push(Fault::general(
-                format!("{}: the {what} has changed since the run was interrupted", dir.display()),
-                "resume with what the run was started with, or start anew with --force",
-            ));
-        }
-    }
-    if !faults.is_empty() {
-        return Err(crate::error::ModelError { faults }.into());
-    }
-    if earlier.times.len() == results.times.len() {
-        results.blocks = earlier.blocks;
-        results.probes = earlier.probes;
-        results.record.health = earlier.record.health;
-        results.record.hybrid = earlier.record.hybrid;
-        results.record.performance = earlier.record.performance;
-    } else {
-        clear(dir)?;
-    }
-    Ok(())
-}
-
-/// Removes what an earlier run left in a folder, and nothing else.
-fn clear(dir: &Path) -> Result<(), RunError> {
-    let file_error = |path: &Path, error: std::io::Error| RunError::File {
-        path: path.display().to_string(),
-        reason: error.to_string(),
-    };
-    for name in ["run.json", "report.html", "tables", "figures", "vtk", "checkpoint"] {
-        let path = dir.join(name);
-        let removed =
-            if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
-        if let Err(error) = removed
-            && error.kind() != std::io::ErrorKind::NotFound
-        {
-            return Err(file_error(&path, error));
-        }
-    }
-    std::fs::create_dir_all(dir.join("tables")).map_err(|error| file_error(dir, error))
-}
-
-fn announce(plan: &Plan, results: &Results, wanted: &[u32], dir: &Path, threads: usize) {
-    let block = results.record.realizations;
     tell!(
-        "{}: realizations {}..{} ({} to run) on {threads} thread{}, until {} s, into {}",
+        "{}: realizations {}..{} on {threads} thread{}, until {} s, into {}{how}",
         plan.model.name,
         block[0],
         block[1],
-        wanted.len(),
         if threads == 1 { "" } else { "s" },
         plan.model.run.until,
         dir.display()
     );
-    let steps = &results.record.steps;
+    if let Earlier::Interrupted(then) = earlier
+        && then.version != record.version
+    {
+        tell!(
+            "  it was begun by version {}, this is {}; what is kept has the same format",
+            then.version,
+            record.version
+        );
+    }
+    let steps = &record.steps;
     for (what, step) in [("fluid", &steps.fluid), ("chemistry", &steps.chemistry)] {
         if let Some(step) = step {
             tell!("  {what} step {:.3e} s, limited by {}", step.step, step.limited_by);
@@ -282,37 +189,34 @@ fn announce(plan: &Plan, results: &Results, wanted: &[u32], dir: &Path, threads:
     }
 }
 
-/// What an unfinished run leaves, in words.
-fn kept(results: &Results, dir: &Path) -> String {
-    let record = &results.record;
-    format!(
-        "{} of {} realizations are complete, {} of {} output times are kept in {}",
-        record.finished,
-        record.realizations[1] - record.realizations[0],
-        results.times.len(),
-        record.times.len(),
-        dir.display()
-    )
-}
-
-fn finish(results: &Results, error: Option<RunError>, dir: &Path, options: &Options) -> Result<(), Stop> {
-    let record = &results.record;
+fn finish(
+    record: &RunRecord,
+    (realizations, times): (usize, usize),
+    error: Option<RunError>,
+    dir: &Path,
+    options: &Options,
+) -> Result<(), Stop> {
     if options.json {
         print(&serde_json::to_string_pretty(record).unwrap_or_default());
         print("\n");
     }
-    let kept = if results.blocks.is_empty() {
-        format!("no realization was finished; run.json in {} says how far it came", dir.display())
+    let shown = dir.display();
+    let kept = if realizations == 0 {
+        format!("no realization has shown anything yet; run.json in {shown} says how far it came")
     } else {
-        kept(results, dir)
+        format!(
+            "{} of {} realizations are complete, {times} of {} output times are kept in {shown}",
+            record.finished,
+            record.realizations[1] - record.realizations[0],
+            record.times.len(),
+        )
     };
     if let Some(error) = error {
         tell!("{kept}");
         return Err(Stop::Run(error));
     }
     if record.status == "interrupted" {
-        let how = if record.finished == 0 { "--resume starts again" } else { "continue with --resume" };
-        tell!("interrupted: {kept}; {how}");
+        tell!("interrupted: {kept}; continue with --resume");
         return Err(Stop::Interrupted);
     }
     if !options.quiet {

@@ -2,11 +2,11 @@
 
 use super::{Stop, print};
 use crate::chemistry::drawing;
-use crate::error::{Fault, RunError};
+use crate::ensemble::{self, NotJoined};
+use crate::error::Fault;
 use crate::model::load::{self, Document};
-use crate::results::{self, Results};
 use crate::validation::Scope;
-use crate::{report, tables, validation};
+use crate::{report, validation};
 use std::path::{Path, PathBuf};
 
 pub(crate) fn report(dir: &Path) -> Result<(), Stop> {
@@ -23,17 +23,12 @@ pub(crate) fn report(dir: &Path) -> Result<(), Stop> {
 }
 
 pub(crate) fn merge(out: &Path, blocks: &[PathBuf], force: bool) -> Result<(), Stop> {
-    let mut parts = Vec::new();
     let mut faults = Vec::new();
-    for dir in blocks {
-        if dir.join("run.json").exists() {
-            parts.push((dir.display().to_string(), Results::read(dir)?));
-        } else {
-            faults.push(Fault::general(
-                format!("{} holds no run", dir.display()),
-                "name folders of finished blocks",
-            ));
-        }
+    for dir in blocks.iter().filter(|dir| !dir.join("run.json").exists()) {
+        faults.push(Fault::general(
+            format!("{} holds no run", dir.display()),
+            "name folders of finished blocks",
+        ));
     }
     if out.join("run.json").exists() && !force {
         faults.push(Fault::general(
@@ -44,31 +39,18 @@ pub(crate) fn merge(out: &Path, blocks: &[PathBuf], force: bool) -> Result<(), S
     if !faults.is_empty() {
         return Err(crate::error::ModelError { faults }.into());
     }
-    let whole = results::join(parts)?;
-    for dir in blocks {
-        copy_particles(dir, out)?;
-    }
-    whole.write(out)?;
+    let whole = ensemble::merge(out, blocks).map_err(|error| match error {
+        NotJoined::Model(error) => Stop::Model(error),
+        NotJoined::Run(error) => Stop::Run(error),
+    })?;
     report::write(out)?;
     tell!(
         "joined {} blocks, realizations {}..{}: {}",
         blocks.len(),
-        whole.record.realizations[0],
-        whole.record.realizations[1],
+        whole.realizations[0],
+        whole.realizations[1],
         out.join("report.html").display()
     );
-    Ok(())
-}
-
-/// Copies the particle tables of a block; each realization has a folder of its own.
-fn copy_particles(from: &Path, to: &Path) -> Result<(), RunError> {
-    for (realization, part, path) in tables::list_particles(from) {
-        let folder = to.join(format!("tables/particles/realization={realization:04}"));
-        let target = folder.join(format!("part-{part:05}.parquet"));
-        std::fs::create_dir_all(&folder).and_then(|()| std::fs::copy(&path, &target)).map_err(|error| {
-            RunError::File { path: target.display().to_string(), reason: error.to_string() }
-        })?;
-    }
     Ok(())
 }
 

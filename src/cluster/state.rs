@@ -1,6 +1,7 @@
 //! Where the blocks of an ensemble stand, and lists of blocks as schedulers write them.
 
 use super::Folder;
+use crate::ensemble;
 use crate::error::Fault;
 use crate::record::RunRecord;
 use crate::tables;
@@ -44,12 +45,12 @@ pub struct Standing {
     pub state: State,
     /// Realizations whose tables are complete.
     pub finished: u32,
-    /// Wall time spent so far, s; as of the last record.
+    /// Wall time spent up to what was written last, s.
     pub wall_seconds: f64,
     /// Why it failed or cannot be read; else empty.
     pub error: String,
-    /// Seconds since its record or a checkpoint was written.
-    pub age: Option<u64>,
+    /// Of one that runs: seconds since anything was written.
+    pub age: Option<f64>,
 }
 
 impl Folder {
@@ -81,13 +82,24 @@ impl Folder {
             "failed" => State::Failed,
             _ => State::Running,
         };
-        Standing {
+        let mut standing = Standing {
             state,
             finished: record.finished,
             wall_seconds: record.performance.wall_seconds,
             error: record.error.unwrap_or_default(),
-            age: age(&dir),
+            age: None,
+        };
+        if state == State::Running {
+            // The record is that of the start: what came since is in the journal.
+            standing.finished = ensemble::finished_so_far(&dir) as u32;
+            if let (Some(begun), Some(last)) = (written(&dir.join("run.json")), last_written(&dir)) {
+                let now = SystemTime::now();
+                // Clocks of other machines may be ahead.
+                standing.wall_seconds += last.duration_since(begun).unwrap_or_default().as_secs_f64();
+                standing.age = Some(now.duration_since(last).unwrap_or_default().as_secs_f64());
+            }
         }
+        standing
     }
 
     /// All blocks that are not finished.
@@ -113,16 +125,14 @@ impl Folder {
     }
 }
 
-/// Seconds since the record of a run or one of its checkpoints was written.
-fn age(dir: &Path) -> Option<u64> {
-    let checkpoints =
-        dir.join("checkpoint").read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
-    let newest = checkpoints
-        .chain([dir.join("run.json")])
-        .filter_map(|path| path.metadata().ok()?.modified().ok())
-        .max()?;
-    // A clock of another machine may be ahead.
-    Some(SystemTime::now().duration_since(newest).map_or(0, |age| age.as_secs()))
+fn written(path: &Path) -> Option<SystemTime> {
+    path.metadata().ok()?.modified().ok()
+}
+
+/// When the record of a run or something it keeps meanwhile was written last.
+fn last_written(dir: &Path) -> Option<SystemTime> {
+    let kept = dir.join("checkpoint").read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
+    kept.chain([dir.join("run.json")]).filter_map(|path| written(&path)).max()
 }
 
 /// Numbers in rising order as a list of schedulers: `3,7-9`.

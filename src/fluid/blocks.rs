@@ -7,6 +7,7 @@ use crate::fluid::kernel::Kernel;
 use crate::fluid::neighbours::Grid;
 use crate::fluid::particles::Side;
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// A pair within the cut-off.
 #[derive(Clone, Copy, Debug)]
@@ -31,15 +32,19 @@ struct Seen<const D: usize> {
 const TURNED: u32 = 1 << 31;
 
 /// Lists of candidates, one a particle of a block, and those of them within the cut-off.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Rows<const D: usize> {
     ends: Vec<u32>,
     list: Vec<u32>,
+    #[serde(skip)]
     contact_ends: Vec<u32>,
     /// Of the contacts; of this and the next two the first `contact_ends.last()` are in use.
+    #[serde(skip)]
     seen: Vec<Seen<D>>,
     /// r² until weighed, then [`Contact::weight`]; apart from `seen` so that kernels are evaluated many at a time.
+    #[serde(skip)]
     weights: Vec<f64>,
+    #[serde(skip)]
     shifts: Vec<f64>,
 }
 
@@ -147,7 +152,7 @@ impl<const D: usize> Rows<D> {
 }
 
 /// A run of particles that lie together, with its neighbour lists and its share of the pairs of this step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Block<const D: usize> {
     /// First particle of the block.
     pub first: usize,

@@ -16,6 +16,7 @@ use crate::fluid::terms::{
     Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity,
 };
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// A flow in progress.
 pub struct Flow<const D: usize> {
@@ -66,7 +67,7 @@ pub(super) struct Scales<const D: usize> {
 }
 
 /// What is counted over the steps.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Tally {
     pub penetrations: u64,
     pub bounces: u64,

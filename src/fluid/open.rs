@@ -19,6 +19,7 @@ use crate::fluid::flow::Flow;
 use crate::fluid::particles::Material;
 use crate::fluid::setup::{BodyKind, Setup};
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// A velocity (m/s) by place (m) and time (s).
 pub type Stream<const D: usize> = Arc<dyn Fn(&Vector<D>, f64) -> Vector<D> + Send + Sync>;
@@ -54,7 +55,7 @@ impl<const D: usize> Open<D> {
 }
 
 /// Where a particle is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Zone {
     Inside,
     /// Before the lower (0) or upper (1) end.
@@ -63,7 +64,7 @@ pub(super) enum Zone {
 }
 
 /// A particle as the openings know it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Presence {
     pub inside: bool,
     /// How often it came in.
@@ -80,7 +81,7 @@ pub(super) struct Openings<const D: usize> {
     fluid: (f64, f64, f64),
     /// By number of the particle.
     pub(super) zones: Vec<Zone>,
-    entries: Vec<(u32, u8)>,
+    pub(super) entries: Vec<(u32, u8)>,
     /// Present indices of the particles in the buffers with their end, and of fluid near an end of given velocity.
     pub(super) buffer: Vec<(u32, u8)>,
     pub(super) rim: Vec<u32>,

@@ -2,9 +2,10 @@
 
 use crate::fluid::symmetric::Symmetric;
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// What a particle is to its neighbours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Material {
     #[default]
     Fluid,
@@ -16,7 +17,7 @@ pub enum Material {
 
 /// One side of a pair: packed, since a sweep reads all of it at a random place. Whole lines of the cache for each were
 /// slower: they take more of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Side<const D: usize> {
     /// Momentum velocity v, m/s. Of a solid: its own velocity in the density sweep, the mirrored velocity of
@@ -55,7 +56,7 @@ impl<const D: usize> Side<D> {
 }
 
 /// What a particle keeps to itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Own<const D: usize> {
     /// Index in [`Setup::particles`](crate::fluid::Setup).
     pub id: u32,

@@ -13,9 +13,10 @@ use nalgebra::Matrix3;
 use crate::fluid::domain::Domain;
 use crate::fluid::motion::Motion;
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// A free body as it is stated: density and state at t = 0.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Free<const D: usize> {
     /// kg/m³.
     pub density: f64,
@@ -28,7 +29,7 @@ pub struct Free<const D: usize> {
 }
 
 /// A free body in motion. Until it is part of a flow it has no mass and rests.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rigid<const D: usize> {
     pub free: Free<D>,
     /// Mass per unit thickness, kg/m^(3-D).
@@ -54,6 +55,7 @@ pub struct Rigid<const D: usize> {
     pub(super) pull: Vector<D>,
     pub(super) held: bool,
     /// The box, for the shortest way to the centre.
+    #[serde(skip)]
     domain: Option<Domain<D>>,
 }
 
@@ -82,6 +84,11 @@ impl<const D: usize> Free<D> {
 }
 
 impl<const D: usize> Rigid<D> {
+    /// Takes over a state that was kept.
+    pub(super) fn restore(&mut self, kept: Rigid<D>) {
+        *self = Rigid { domain: self.domain.take(), ..kept };
+    }
+
     /// Takes mass, centre and inertia from the particles, places (m) and volumes (m^D), each a small cube of its volume.
     pub(super) fn weigh(&mut self, particles: &[(Vector<D>, f64)], domain: &Domain<D>) {
         let Some(&(first, _)) = particles.first() else { return };

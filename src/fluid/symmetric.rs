@@ -1,10 +1,11 @@
 //! Symmetric matrices of `D` rows, by their diagonal and what stands beside it.
 
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// A symmetric matrix: the entries (k, k) and the entries (k, k + 1), the last beside the first. In 2D only the
 /// first of the mixed entries is used, in 1D none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Symmetric<const D: usize> {
     pub diagonal: Vector<D>,
     pub mixed: Vector<D>,

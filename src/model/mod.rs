@@ -1,5 +1,6 @@
 //! What a user wrote, checked: documents in YAML become a [`Model`] in SI units. Strings and units end here.
 
+pub mod changes;
 pub mod conditions;
 pub mod domain;
 pub mod fluid;

@@ -38,6 +38,7 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
     RunRecord {
         program: "gillesph".into(),
         version: "0.1.0".into(),
+        format: 1,
         status: "finished".into(),
         error: None,
         name: "ring of receptors in a channel".into(),

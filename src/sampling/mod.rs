@@ -8,13 +8,21 @@ use crate::plan::Plan;
 use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
 use crate::scene::Scene;
 use probe::ProbeLens;
+use serde::{Deserialize, Serialize};
 
 /// What one realization has shown so far.
-#[derive(Clone, Debug, Default)]
+///
+/// What was handed over already is counted and gone: `series`, `probes` and `frames` hold the rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observed {
     pub series: SeriesBlock,
     pub probes: Vec<ProbeRows>,
     pub frames: Vec<ParticleFrame>,
+    /// Number of the output time at which `series` begins, and output times in it.
+    pub first: u32,
+    pub outputs: u32,
+    /// Parts of the particle table handed over, and frames in them.
+    pub parts: (u32, u32),
 }
 
 impl Observed {
@@ -22,6 +30,13 @@ impl Observed {
     #[must_use]
     pub fn new(realization: u32) -> Observed {
         Observed { series: SeriesBlock { realization, ..SeriesBlock::default() }, ..Observed::default() }
+    }
+
+    /// Numbers held, without those of the frames.
+    #[must_use]
+    pub fn bulk(&self) -> usize {
+        let probes: usize = self.probes.iter().map(|rows| 5 * rows.s.len()).sum();
+        2 * self.series.amount.len() + probes
     }
 }
 
@@ -57,8 +72,10 @@ impl<'p> Sums<'p> {
         Sums { plan, slot, volume }
     }
 
-    /// Appends one output time to a block.
-    pub fn look(&self, amounts: &[f64], block: &mut SeriesBlock) {
+    /// Appends one output time to what a realization has shown.
+    pub fn look(&self, amounts: &[f64], seen: &mut Observed) {
+        seen.outputs += 1;
+        let block = &mut seen.series;
         let species = self.plan.reactor.species.len();
         let mut sums = vec![0.0; self.volume.len() * species];
         for (voxel, &slot) in amounts.chunks_exact(species).zip(&self.slot) {
@@ -110,7 +127,7 @@ impl<'p, const D: usize> Lens<'p, D> {
     /// Appends this time to what a realization has shown. `shared` tells that all realizations see one flow,
     /// whose velocities only the first one (number 0) records.
     pub fn look(&self, amounts: &[f64], time: f64, shared: bool, observed: &mut Observed) {
-        self.sums.look(amounts, &mut observed.series);
+        self.sums.look(amounts, observed);
         let realization = observed.series.realization;
         for probe in &self.probes {
             probe.look(amounts, time, realization, realization == 0 || !shared, &mut observed.probes);

@@ -1,44 +1,33 @@
 //! Event-driven realizations on particles that stay where they are: no step, no splitting.
 
-use super::events::{self, Share};
+use super::each::{Found, each};
+use super::events;
+use super::keep::{Keep, PIECE, Share, Shown};
 use super::particles::Ready;
 use super::realization::Reservoirs;
-use super::{Outcome, Tally, Watch};
+use super::{Finish, Watch};
 use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::ssa::System;
-use crate::error::RunError;
 use crate::model::Method;
 use crate::random::{Purpose, stream};
 use crate::sampling::{Lens, Observed};
-use rayon::prelude::*;
 use std::time::Instant;
 
 impl<const D: usize> Ready<'_, D> {
-    /// Realizations one by one; those that finish are kept whatever befalls others.
+    /// Realizations one by one.
     pub(super) fn run_events(
         &self,
         realizations: &[u32],
         method: Method,
-        mut tally: Tally,
         watch: &Watch,
-    ) -> Outcome {
+        keep: &dyn Keep,
+    ) -> Finish {
         watch.begin(realizations.len() as u64, "realizations");
         let system = self.system();
         let lens = Lens::new(self.plan, &self.scene);
-        let begun = Instant::now();
-        let found: Vec<Result<Option<(Share, Observed)>, RunError>> = realizations
-            .par_iter()
-            .map(|&number| {
-                let found = match watch.stopped() {
-                    true => Ok(None),
-                    false => self.one(&system, &lens, method, number, watch),
-                };
-                watch.advance(1);
-                found.map_err(|error| error.of(number))
-            })
-            .collect();
-        tally.chemistry_seconds = begun.elapsed().as_secs_f64();
-        events::gather(found, tally, self.plan.model.output.times.len())
+        each(realizations, 1, watch, |numbers| {
+            numbers.iter().map(|&n| (n, self.one(&system, &lens, method, n, (watch, keep)))).collect()
+        })
     }
 
     /// The reactions and hops of the scene, with sponges as births and deaths and with held Poisson numbers by
@@ -54,21 +43,21 @@ impl<const D: usize> Ready<'_, D> {
         system
     }
 
-    /// One realization; `None` if it was stopped.
     fn one(
         &self,
         system: &System,
         lens: &Lens<D>,
         method: Method,
         number: u32,
-        watch: &Watch,
-    ) -> Result<Option<(Share, Observed)>, RunError> {
+        (watch, keep): (&Watch, &dyn Keep),
+    ) -> Found {
+        let begun = Instant::now();
         let (model, count) = (&self.plan.model, self.plan.reactor.species.len());
         let key = (model.run.seed, u64::from(number));
         let amounts = self.start.deal(key);
-        let mut observed = Observed::new(number);
+        let mut seen = Shown::new(Observed::new(number), keep, PIECE);
         let Some(mut played) = events::start(method, &model.chemistry, system, amounts, key)? else {
-            return Ok(None);
+            return Ok(false);
         };
         let mut reservoirs = stream(key.0, key.1, Purpose::Reservoirs);
         let mut shown = Vec::new();
@@ -82,8 +71,11 @@ impl<const D: usize> Ready<'_, D> {
                     shown[voxel as usize * count + s] = poisson(&mut reservoirs, mean) as f64;
                 }
             }
-            lens.look(&shown, time, false, &mut observed);
+            lens.look(&shown, time, false, &mut seen.observed);
+            seen.looked();
         })?;
-        Ok(share.map(|share| (share, observed)))
+        let Some(share) = share else { return Ok(false) };
+        seen.finish(Share { seconds: begun.elapsed().as_secs_f64(), ..share })?;
+        Ok(true)
     }
 }

@@ -1,14 +1,17 @@
 //! Realizations in one volume or on a graph of volumes: event driven, or split where species are continuous.
 
 use super::clock::{Interval, intervals};
-use super::events::{self, Share};
-use super::{FORWARD_EULER, NotReady, Outcome, Tally, Watch, euler_caveat, hybrids, paths};
+use super::each::{Found, each};
+use super::events;
+use super::keep::{Keep, PIECE, Share, Shown};
+use super::realization::Realization;
+use super::walk::Walk;
+use super::{FORWARD_EULER, Finish, NotReady, Watch, euler_caveat, hybrids, paths};
 use crate::chemistry::split::{
     Frozen, SplitState, SplittingError, longest_euler_step, splitting_error, step_bounds,
 };
 use crate::chemistry::ssa::side_by_side::{Task, fits, side_by_side};
 use crate::chemistry::ssa::{Key, System};
-use crate::error::RunError;
 use crate::model::{Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, Voxels, check_amounts, start};
@@ -18,15 +21,11 @@ use crate::record::{StepRecord, StepsRecord};
 use crate::samples::SeriesBlock;
 use crate::sampling::{Observed, Sums};
 use crate::vector::Vector;
-use rayon::prelude::*;
 use std::time::Instant;
-
-/// What a realization came to; `None` if it was stopped.
-type Found = Result<Option<(Share, Observed)>, RunError>;
 
 /// A plan of compartments, ready to run.
 pub struct Ready<'p> {
-    plan: &'p Plan,
+    pub(super) plan: &'p Plan,
     arena: &'p Compartments,
     start: Start,
     sums: Sums<'p>,
@@ -111,63 +110,55 @@ impl<'p> Ready<'p> {
     /// The series at the start, with means where amounts are dealt.
     #[must_use]
     pub fn first_look(&self) -> SeriesBlock {
-        let mut block = SeriesBlock::default();
-        self.sums.look(&self.start.means(), &mut block);
-        block
+        let mut seen = Observed::default();
+        self.sums.look(&self.start.means(), &mut seen);
+        seen.series
     }
 
     /// Runs realizations; those that finish are kept whatever befalls others.
     #[must_use]
-    pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
+    pub fn run_into(&self, realizations: &[u32], watch: &Watch, keep: &dyn Keep) -> Finish {
         watch.begin(realizations.len() as u64, "realizations");
-        let begun = Instant::now();
         let system = System::new(&self.plan.reactor, &self.frozen);
         // Parts small enough to keep all threads busy to the end, large enough to be worth the handing out.
         let part = (realizations.len() / (8 * rayon::current_num_threads())).clamp(1, 64);
-        let found: Vec<Found> = realizations
-            .par_chunks(part)
-            .flat_map_iter(|numbers| self.several(&system, numbers, watch))
-            .collect();
-        let mut tally = Tally {
-            steps: self.steps(),
-            chemistry_seconds: begun.elapsed().as_secs_f64(),
-            supplied: vec![0.0; self.plan.reactor.species.len()],
-            ..Tally::default()
-        };
-        let groups: Vec<usize> = (0..self.arena.volumes.len()).collect();
-        let shares = || found.iter().filter_map(|result| Some(&result.as_ref().ok()?.as_ref()?.0));
-        tally.hybrid =
-            hybrids::history(self.plan, shares().map(|share| &share.modes), (&groups, &self.arena.home));
-        tally.withheld = shares().map(|share| share.withheld).sum();
-        events::gather(found, tally, self.plan.model.output.times.len())
+        each(realizations, part, watch, |numbers| self.several(&system, numbers, watch, keep))
     }
 
     /// A few realizations on one thread.
-    fn several(&self, system: &System, numbers: &[u32], watch: &Watch) -> Vec<Found> {
+    fn several(&self, system: &System, numbers: &[u32], watch: &Watch, keep: &dyn Keep) -> Vec<(u32, Found)> {
         if self.arena.method != Method::Direct || !fits(system) {
-            let one = |&number: &u32| {
-                let found = if watch.stopped() { Ok(None) } else { self.one(system, number, watch) };
-                watch.advance(1);
-                found.map_err(|error| error.of(number))
-            };
-            return numbers.iter().map(one).collect();
+            return numbers
+                .iter()
+                .map(|&n| (n, if watch.stopped() { Ok(false) } else { self.one(system, n, watch, keep) }))
+                .collect();
         }
-        let mut observed: Vec<Observed> = numbers.iter().map(|&number| Observed::new(number)).collect();
+        let begun = Instant::now();
+        // They share the memory that one alone may fill.
+        let piece = PIECE / numbers.len().max(1);
+        let mut shown: Vec<Shown> =
+            numbers.iter().map(|&number| Shown::new(Observed::new(number), keep, piece)).collect();
         let task = Task {
             count: numbers.len(),
             halts: &events::halts(&self.plan.model.output.times),
             start: &|k| (self.start.deal(self.key(numbers[k])), self.key(numbers[k])),
             stopped: &|| watch.stopped(),
         };
-        let played =
-            side_by_side(system, &task, |k, amounts| self.sums.look(amounts, &mut observed[k].series));
-        watch.advance(numbers.len() as u64);
-        let found = played.into_iter().zip(observed).zip(numbers);
+        let played = side_by_side(system, &task, |k, amounts| {
+            self.sums.look(amounts, &mut shown[k].observed);
+            shown[k].looked();
+        });
+        let seconds = begun.elapsed().as_secs_f64() / numbers.len().max(1) as f64;
+        let found = played.into_iter().zip(shown).zip(numbers);
         found
             .map(|((played, seen), &number)| {
                 let begun = || events::free_totals(system, &self.start.deal(self.key(number)));
-                let played = played.map_err(|error| error.of(number))?;
-                Ok(played.map(|ledger| (events::share(system, &begun(), &ledger), seen)))
+                let found = played.and_then(|ledger| {
+                    let Some(ledger) = ledger else { return Ok(false) };
+                    seen.finish(Share { seconds, ..events::share(system, &begun(), &ledger) })?;
+                    Ok(true)
+                });
+                (number, found)
             })
             .collect()
     }
@@ -176,73 +167,47 @@ impl<'p> Ready<'p> {
         (self.plan.model.run.seed, u64::from(number))
     }
 
-    /// One realization; `None` if it was stopped.
-    fn one(
-        &self,
-        system: &System,
-        number: u32,
-        watch: &Watch,
-    ) -> Result<Option<(Share, Observed)>, RunError> {
+    /// One realization.
+    fn one(&self, system: &System, number: u32, watch: &Watch, keep: &dyn Keep) -> Found {
+        if let Some((clock, _)) = &self.split {
+            return self.steps_of(number, clock, watch, keep);
+        }
+        let begun = Instant::now();
         let model = &self.plan.model;
         let key = self.key(number);
         let amounts = self.start.deal(key);
-        let mut observed = Observed::new(number);
-        let found = if let Some((clock, _)) = &self.split {
-            self.step(
-                SplitState::new(&self.plan.reactor, amounts, key.0, key.1),
-                clock,
-                &mut observed,
-                watch,
-            )?
-        } else {
-            let Some(mut method) = events::start(self.arena.method, &model.chemistry, system, amounts, key)?
-            else {
-                return Ok(None);
-            };
-            events::play(system, method.as_mut(), &model.output.times, watch, |_, amounts| {
-                self.sums.look(amounts, &mut observed.series);
-            })?
+        let Some(mut method) = events::start(self.arena.method, &model.chemistry, system, amounts, key)?
+        else {
+            return Ok(false);
         };
-        Ok(found.map(|share| (share, observed)))
+        let mut seen = Shown::new(Observed::new(number), keep, PIECE);
+        let share = events::play(system, method.as_mut(), &model.output.times, watch, |_, amounts| {
+            self.sums.look(amounts, &mut seen.observed);
+            seen.looked();
+        })?;
+        let Some(share) = share else { return Ok(false) };
+        seen.finish(Share { seconds: begun.elapsed().as_secs_f64(), ..share })?;
+        Ok(true)
     }
 
     /// One realization in steps of diffusion and reaction in turn.
-    fn step(
-        &self,
-        mut state: SplitState,
-        clock: &[Interval],
-        observed: &mut Observed,
-        watch: &Watch,
-    ) -> Result<Option<Share>, RunError> {
-        let start = totals(self.plan, &state.amounts);
-        for interval in clock {
-            for k in 0..interval.ticks {
-                if watch.stopped() {
-                    return Ok(None);
-                }
-                let (reactor, time, tick) = (&self.plan.reactor, interval.time(k), interval.tick());
-                match self.plan.model.chemistry.integrator {
-                    Integrator::Exponential => state.step(reactor, &self.frozen, time, tick)?,
-                    Integrator::Euler => state.euler(reactor, &self.frozen, time, tick)?,
-                }
-            }
-            self.sums.look(&state.amounts, &mut observed.series);
-        }
-        let lost = state.astray(&self.plan.reactor, &start);
-        Ok(Some(Share {
-            counters: state.counters,
-            supplied: state.supplied,
-            lost,
-            withheld: state.withheld,
-            modes: state.modes,
-        }))
+    fn steps_of(&self, number: u32, clock: &[Interval], watch: &Watch, keep: &dyn Keep) -> Found {
+        let key = self.key(number);
+        let reactor = &self.plan.reactor;
+        let begin = || {
+            let state = SplitState::new(reactor, self.start.deal(key), key.0, key.1);
+            let total = (0..reactor.species_count()).map(|s| state.total(s)).collect();
+            Realization { state, total, observed: Observed::new(number) }
+        };
+        let step = |one: &mut Realization, time: f64, tick: f64| match self.plan.model.chemistry.integrator {
+            Integrator::Exponential => one.state.step(reactor, &self.frozen, time, tick),
+            Integrator::Euler => one.state.euler(reactor, &self.frozen, time, tick),
+        };
+        let look = |one: &mut Realization, _: f64| self.sums.look(&one.state.amounts, &mut one.observed);
+        let groups: Vec<usize> = (0..self.arena.volumes.len()).collect();
+        let walk = Walk { plan: self.plan, clock, watch, keep, groups: (&groups, &self.arena.home) };
+        walk.follow(number, begin, step, look)
     }
-}
-
-/// Molecules of each species in all volumes.
-fn totals(plan: &Plan, amounts: &[f64]) -> Vec<f64> {
-    let count = plan.reactor.species.len();
-    (0..count).map(|s| amounts.iter().skip(s).step_by(count).sum()).collect()
 }
 
 fn split(plan: &Plan, frozen: &Frozen, start: &Start) -> Result<(Vec<Interval>, String), NotReady> {

@@ -1,28 +1,15 @@
 //! Event-driven realizations, wherever the voxels stay: which method, and how a realization is played.
 
-use super::{Outcome, Tally, Watch};
-use crate::chemistry::split::{Counters, Modes};
+use super::Watch;
+use super::keep::Share;
 use crate::chemistry::ssa::{
     CompositionRejection, Direct, EventMethod, Key, Ledger, NextReaction, NextSubvolume, System, TauLeaping,
 };
 use crate::error::RunError;
 use crate::model::{Chemistry, Method};
-use crate::sampling::Observed;
 
 /// Parts of an output interval between which a realization can be stopped.
 const SLICES: u32 = 8;
-
-/// What one realization adds to the tally.
-#[derive(Default)]
-pub(super) struct Share {
-    pub counters: Counters,
-    pub supplied: Vec<f64>,
-    /// Sum over species of |end - start - reactions - supplied|.
-    pub lost: f64,
-    /// Where hybrid species were what, and what was withheld; of split realizations only.
-    pub modes: Modes,
-    pub withheld: f64,
-}
 
 /// One realization by the method of this name; `None` if it is not event driven.
 pub(super) fn start<'a>(
@@ -88,30 +75,6 @@ pub(super) fn share(system: &System, begun: &[f64], ledger: &Ledger) -> Share {
         })
         .sum();
     Share { counters: ledger.counters, supplied: ledger.supplied.clone(), lost, ..Share::default() }
-}
-
-/// An outcome from what the realizations came to, in their order; those that finished are kept.
-pub(super) fn gather(
-    found: Vec<Result<Option<(Share, Observed)>, RunError>>,
-    mut tally: Tally,
-    times: usize,
-) -> Outcome {
-    let mut outcome = Outcome { times, ..Outcome::default() };
-    for result in found {
-        match result {
-            Ok(Some((share, observed))) => {
-                tally.reaction_events += share.counters.events;
-                tally.hops += share.counters.hops;
-                tally.lost += share.lost;
-                tally.supplied.iter_mut().zip(&share.supplied).for_each(|(sum, n)| *sum += n);
-                outcome.observed.push(observed);
-            }
-            Ok(None) => outcome.interrupted = true,
-            Err(error) => outcome.error = outcome.error.or(Some(error)),
-        }
-    }
-    outcome.tally = tally;
-    outcome
 }
 
 /// Molecules of each species where it is not held: whole numbers, so that the books close exactly.

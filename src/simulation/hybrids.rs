@@ -6,12 +6,8 @@ use crate::plan::Plan;
 use crate::quantity::readable::{show, significant};
 use crate::record::{HybridRecord, StepsRecord};
 
-/// Where hybrid species were carried how, from the modes of all realizations and the group of each voxel.
-pub(super) fn history<'a>(
-    plan: &Plan,
-    modes: impl Iterator<Item = &'a Modes> + Clone,
-    (groups, home): (&[usize], &[u8]),
-) -> Vec<HybridRecord> {
+/// Where hybrid species were carried how in one realization, from its modes and group and home group of each voxel.
+pub(super) fn history(plan: &Plan, modes: &Modes, (groups, home): (&[usize], &[u8])) -> Vec<HybridRecord> {
     let Some(hybrid) = &plan.reactor.hybrid else { return Vec::new() };
     let names = plan.model.domain.group_names();
     let mut found = Vec::new();
@@ -26,20 +22,16 @@ pub(super) fn history<'a>(
             let mut record = HybridRecord {
                 species: plan.reactor.species[s].clone(),
                 group: names.get(g).cloned().unwrap_or_else(|| "all".into()),
-                realizations: modes.clone().count() as u32,
+                realizations: 1,
                 ..HybridRecord::default()
             };
-            let mut looks = 0.0_f64;
-            for modes in modes.clone() {
-                for &i in &voxels {
-                    let ([up, down], share) = modes.history(k, i);
-                    record.to_continuous += u64::from(up);
-                    record.to_discrete += u64::from(down);
-                    record.continuous += share;
-                    looks += 1.0;
-                }
+            for &i in &voxels {
+                let ([up, down], share) = modes.history(k, i);
+                record.to_continuous += u64::from(up);
+                record.to_discrete += u64::from(down);
+                record.continuous += share;
             }
-            record.continuous /= looks.max(1.0);
+            record.continuous /= voxels.len() as f64;
             found.push(record);
         }
     }

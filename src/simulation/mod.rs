@@ -3,12 +3,16 @@
 mod at_rest;
 pub mod clock;
 pub mod compartments;
+mod each;
 mod events;
 mod freeze;
 mod hybrids;
+pub mod keep;
 pub mod particles;
 mod paths;
 mod realization;
+mod states;
+mod walk;
 pub mod watch;
 
 use crate::error::{ModelError, RunError};
@@ -16,7 +20,10 @@ use crate::plan::{Arena, Plan};
 use crate::quantity::readable::show;
 use crate::record::{HybridRecord, StepsRecord};
 use crate::sampling::Observed;
+use keep::Memory;
+use serde::{Deserialize, Serialize};
 
+pub use keep::{CourseShare, Keep, Piece, Share};
 pub use watch::Watch;
 
 /// The method where forward Euler was asked for by name.
@@ -37,6 +44,15 @@ pub struct Outcome {
     pub tally: Tally,
     /// What stopped the block, if the numbers did.
     pub error: Option<RunError>,
+    pub interrupted: bool,
+}
+
+/// How a block of realizations ended.
+#[derive(Debug, Default)]
+pub struct Finish {
+    /// What stopped a realization, if something did; of the first one in number.
+    pub error: Option<RunError>,
+    /// Whether the user stopped it.
     pub interrupted: bool,
 }
 
@@ -61,6 +77,40 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// The books of no realization yet, of a model with `species`.
+    #[must_use]
+    pub fn new(steps: StepsRecord, species: usize) -> Tally {
+        Tally { steps, supplied: vec![0.0; species], ..Tally::default() }
+    }
+
+    /// Takes in what a realization adds.
+    pub fn take(&mut self, share: &Share) {
+        self.reaction_events += share.counters.events;
+        self.hops += share.counters.hops;
+        self.supplied.iter_mut().zip(&share.supplied).for_each(|(sum, n)| *sum += n);
+        self.lost += share.lost;
+        self.withheld += share.withheld;
+        self.chemistry_seconds += share.seconds;
+        if self.hybrid.is_empty() {
+            self.hybrid.clone_from(&share.hybrid);
+        } else {
+            self.hybrid.iter_mut().zip(&share.hybrid).for_each(|(own, other)| own.absorb(other));
+        }
+    }
+
+    /// Takes in what a flow came to. A shared flow that is run again for more realizations counts the same again.
+    pub fn take_course(&mut self, course: &CourseShare) {
+        self.fluid_seconds += course.fluid_seconds;
+        self.chemistry_seconds += course.chemistry_seconds;
+        self.particle_steps += course.particle_steps;
+        self.pair_evaluations += course.pair_evaluations;
+        match &mut self.flow {
+            Some(flow) if self.steps.shared_flow => flow.absorb_same(course.flow.clone()),
+            Some(flow) => flow.absorb(course.flow.clone()),
+            None => self.flow = Some(course.flow.clone()),
+        }
+    }
+
     /// What a user should know, from chemistry and flow.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -70,7 +120,7 @@ impl Tally {
 }
 
 /// What the flow says of itself.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FlowTally {
     /// Where nothing but body forces acts on the fluid from outside.
     pub momentum_drift: Option<f64>,
@@ -82,6 +132,14 @@ pub struct FlowTally {
 }
 
 impl FlowTally {
+    /// Takes in the same flow, run again or further: what it counts is no sum.
+    pub(crate) fn absorb_same(&mut self, other: FlowTally) {
+        let (penetrations, bounces) = (self.penetrations, self.bounces);
+        let (later, again) = (penetrations.max(other.penetrations), bounces.max(other.bounces));
+        self.absorb(other);
+        (self.penetrations, self.bounces) = (later, again);
+    }
+
     /// Takes in another flow, of another realization.
     pub(crate) fn absorb(&mut self, other: FlowTally) {
         self.penetrations += other.penetrations;
@@ -160,13 +218,57 @@ impl<'p> Ready<'p> {
             .collect()
     }
 
-    /// Runs realizations and watches them; returns what was finished even if something stops it.
+    /// Runs realizations and keeps what they show in memory; what was finished comes back even if something stops
+    /// it, and of realizations that march together also how far they came.
+    #[must_use]
     pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
+        let memory = Memory::default();
+        let finish = self.run_into(realizations, watch, &memory);
+        let (plan, kept) = (self.plan(), memory.into_kept());
+        let mut tally = Tally::new(self.steps(), plan.reactor.species.len());
+        tally.fluid_seconds = self.settling_seconds();
+        kept.shares.values().for_each(|share| tally.take(share));
+        kept.courses.iter().for_each(|course| tally.take_course(course));
+        let all = plan.model.output.times.len();
+        let mut observed: Vec<Observed> = kept.observed.into_values().collect();
+        let mut times = all;
+        if kept.shares.is_empty() {
+            // How far all of them came that came so far together.
+            times = observed.iter().map(|one| one.outputs as usize).min().unwrap_or(0);
+        } else {
+            observed.retain(|one| kept.shares.contains_key(&one.series.realization));
+        }
+        Outcome { observed, times, tally, error: finish.error, interrupted: finish.interrupted }
+    }
+
+    /// Runs realizations and hands what they show to `keep`. May be called again for others.
+    #[must_use]
+    pub fn run_into(&self, realizations: &[u32], watch: &Watch, keep: &dyn Keep) -> Finish {
         match self {
-            Ready::Compartments(ready) => ready.run(realizations, watch),
-            Ready::Line(ready) => ready.run(realizations, watch),
-            Ready::Plane(ready) => ready.run(realizations, watch),
-            Ready::Space(ready) => ready.run(realizations, watch),
+            Ready::Compartments(ready) => ready.run_into(realizations, watch, keep),
+            Ready::Line(ready) => ready.run_into(realizations, watch, keep),
+            Ready::Plane(ready) => ready.run_into(realizations, watch, keep),
+            Ready::Space(ready) => ready.run_into(realizations, watch, keep),
+        }
+    }
+
+    /// Time spent to let the flow settle, s.
+    #[must_use]
+    pub fn settling_seconds(&self) -> f64 {
+        match self {
+            Ready::Compartments(_) => 0.0,
+            Ready::Line(ready) => ready.settling_seconds(),
+            Ready::Plane(ready) => ready.settling_seconds(),
+            Ready::Space(ready) => ready.settling_seconds(),
+        }
+    }
+
+    fn plan(&self) -> &'p Plan {
+        match self {
+            Ready::Compartments(ready) => ready.plan,
+            Ready::Line(ready) => ready.plan,
+            Ready::Plane(ready) => ready.plan,
+            Ready::Space(ready) => ready.plan,
         }
     }
 }

@@ -5,11 +5,15 @@ mod flows;
 mod steps;
 
 use super::clock::{Interval, intervals};
+use super::each::each;
 use super::freeze::freeze;
+use super::keep::Keep;
 use super::realization::{Realization, Reservoirs, Surroundings};
-use super::{NotReady, Outcome, Tally, Watch, hybrids, paths};
+use super::walk::Walk;
+use super::{Finish, NotReady, Watch, paths};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
 use crate::error::RunError;
+use crate::fluid::Flow;
 use crate::model::Method;
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
@@ -17,7 +21,7 @@ use crate::plan::{ParticlePlan, Plan};
 use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Observed};
 use crate::scene::Scene;
-use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use steps::{bounds, buoyant_pull, estimate};
 
@@ -34,6 +38,8 @@ pub struct Ready<'p, const D: usize> {
     fluid_seconds: f64,
     /// Error of splitting and the time over which it was found, s.
     splitting: Option<(SplittingError, f64)>,
+    /// The settled flow, until the first realizations take it.
+    fresh: Mutex<Option<Flow<D>>>,
 }
 
 impl<'p, const D: usize> Ready<'p, D> {
@@ -95,6 +101,7 @@ impl<'p, const D: usize> Ready<'p, D> {
             let splitting = estimate(plan, &scene, &frozen, &start, &clock);
             (step, limit, clock, splitting)
         };
+        let fresh = Mutex::new(scene.flow.take());
         Ok(Ready {
             plan,
             scene,
@@ -106,6 +113,7 @@ impl<'p, const D: usize> Ready<'p, D> {
             clock,
             fluid_seconds,
             splitting,
+            fresh,
         })
     }
 
@@ -117,85 +125,60 @@ impl<'p, const D: usize> Ready<'p, D> {
         observed.series
     }
 
-    /// Runs realizations.
+    /// Runs realizations; those that finish are kept whatever befalls others.
     #[must_use]
-    pub fn run(self, realizations: &[u32], watch: &Watch) -> Outcome {
-        let mut tally = Tally { steps: self.steps(), fluid_seconds: self.fluid_seconds, ..Tally::default() };
-        tally.supplied = vec![0.0; self.plan.reactor.species.len()];
+    pub fn run_into(&self, realizations: &[u32], watch: &Watch, keep: &dyn Keep) -> Finish {
         if let Some(method) = event_driven(self.plan) {
-            return self.run_events(realizations, method, tally, watch);
+            return self.run_events(realizations, method, watch, keep);
         }
         match (self.fluid.is_some(), self.plan.model.flows_differ()) {
-            (true, false) => self.run_on_flow(realizations, tally, watch),
-            (true, true) => self.run_on_flows(realizations, tally, watch),
-            (false, _) => self.run_at_rest(self.members(realizations), tally, watch),
+            (true, false) => self.run_on_flow(realizations, watch, keep),
+            (true, true) => self.run_on_flows(realizations, watch, keep),
+            (false, _) => self.run_at_rest(realizations, watch, keep),
         }
     }
 
-    /// Realizations at t = 0.
-    fn members(&self, realizations: &[u32]) -> Vec<Realization> {
-        realizations.iter().map(|&number| Realization::new(self.plan, &self.start, number)).collect()
+    /// Time spent to let the flow settle, s.
+    #[must_use]
+    pub fn settling_seconds(&self) -> f64 {
+        self.fluid_seconds
     }
 
-    /// Realizations one by one on particles at rest; those that finish are kept whatever befalls others.
-    fn run_at_rest(&self, mut members: Vec<Realization>, mut tally: Tally, watch: &Watch) -> Outcome {
+    /// Realizations one by one on particles at rest.
+    fn run_at_rest(&self, realizations: &[u32], watch: &Watch, keep: &dyn Keep) -> Finish {
         let plan = self.plan;
-        watch.begin(members.len() as u64, "realizations");
+        watch.begin(realizations.len() as u64, "realizations");
         let lens = Lens::new(plan, &self.scene);
         let reservoirs = Reservoirs::new(plan, &self.scene);
         let around = Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
-        let begun = Instant::now();
-        let finished: Vec<Result<bool, RunError>> = members
-            .par_iter_mut()
-            .map(|one| {
-                for interval in &self.clock {
-                    for k in 0..interval.ticks {
-                        if watch.stopped() {
-                            return Ok(false);
-                        }
-                        one.step_at_rest(&around, interval.time(k), interval.tick())
-                            .map_err(|error| error.of(one.observed.series.realization))?;
-                    }
-                    lens.look(&one.state.amounts, interval.end, false, &mut one.observed);
-                }
-                watch.advance(1);
-                Ok(true)
-            })
-            .collect();
-        tally.chemistry_seconds = begun.elapsed().as_secs_f64();
-        let mut error = None;
-        let mut interrupted = false;
-        let mut kept = Vec::new();
-        for (one, result) in members.into_iter().zip(finished) {
-            match result {
-                Ok(true) => kept.push(one),
-                Ok(false) => interrupted = true,
-                Err(found) => error = error.or(Some(found)),
-            }
-        }
-        count(plan, &self.scene.plan.home, &kept, &mut tally);
-        let times = plan.model.output.times.len();
-        Outcome {
-            observed: kept.into_iter().map(|one| one.observed).collect(),
-            times,
-            tally,
-            error,
-            interrupted,
-        }
+        let groups = self.groups();
+        let walk = Walk { plan, clock: &self.clock, watch, keep, groups: (&groups, &self.scene.plan.home) };
+        each(realizations, 1, watch, |numbers| {
+            let one = |&number: &u32| {
+                let begin = || Realization::new(plan, &self.start, number);
+                let step = |one: &mut Realization, time, tick| one.step_at_rest(&around, time, tick);
+                let look = |one: &mut Realization, time| {
+                    lens.look(&one.state.amounts, time, false, &mut one.observed);
+                };
+                (number, walk.follow(number, begin, step, look))
+            };
+            numbers.iter().map(one).collect()
+        })
     }
-}
 
-/// Books counters and conservation of realizations; `home` is the home group of each voxel.
-fn count(plan: &Plan, home: &[u8], members: &[Realization], tally: &mut Tally) {
-    for one in members {
-        tally.reaction_events += one.state.counters.events;
-        tally.hops += one.state.counters.hops;
-        tally.supplied.iter_mut().zip(&one.state.supplied).for_each(|(sum, n)| *sum += n);
-        tally.lost += one.state.astray(&plan.reactor, &one.total);
+    /// The scene at t = 0, the flow settled: the one made ready, or another like it.
+    fn scene(&self) -> Result<Scene<'p, D>, RunError> {
+        let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).take();
+        match fresh {
+            Some(flow) => Ok(Scene::at_rest(self.scene.plan).with_flow(Some(flow))),
+            None => settled(self.scene.plan, 0),
+        }
     }
-    let groups: Vec<usize> = home.iter().map(|&home| usize::from(home)).collect();
-    tally.hybrid = hybrids::history(plan, members.iter().map(|one| &one.state.modes), (&groups, home));
-    tally.withheld = members.iter().map(|one| one.state.withheld).sum();
+
+    /// Home group of each voxel, as a number.
+    fn groups(&self) -> Vec<usize> {
+        self.scene.plan.home.iter().map(|&home| usize::from(home)).collect()
+    }
 }
 
 /// The particles of a realization when the flow has settled.

@@ -1,12 +1,15 @@
 //! One realization on particles: the parts of a chemistry step, and what surrounds it.
 
-use crate::chemistry::split::{Frozen, SplitState};
+use super::keep::{Keep, hand_over};
+use super::walk::share;
+use crate::chemistry::split::{Frozen, Snapshot, SplitState};
 use crate::error::RunError;
 use crate::model::Integrator;
 use crate::plan::Plan;
 use crate::plan::start::{Start, sponge_targets};
 use crate::sampling::Observed;
 use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
 
 /// What all realizations share on one geometry.
 pub(super) struct Surroundings<'a> {
@@ -75,6 +78,14 @@ impl Reservoirs {
     }
 }
 
+/// What is kept of a realization to go on with it later.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Image {
+    state: Snapshot,
+    total: Vec<f64>,
+    observed: Observed,
+}
+
 /// A realization under way.
 pub(super) struct Realization {
     pub state: SplitState,
@@ -94,6 +105,41 @@ impl Realization {
         one.state.supplied.fill(0.0);
         one.total = (0..plan.reactor.species.len()).map(|s| one.state.total(s)).collect();
         one
+    }
+
+    /// What must be kept to go on later.
+    pub fn image(&self) -> Image {
+        let (total, observed) = (self.total.clone(), self.observed.clone());
+        Image { state: self.state.snapshot(), total, observed }
+    }
+
+    /// The realization as it was; `None` if the image belongs to another plan.
+    pub fn restore(plan: &Plan, image: Image) -> Option<Realization> {
+        let state = SplitState::resume(&plan.reactor, image.state)?;
+        let fits = image.total.len() == plan.reactor.species.len();
+        fits.then_some(Realization { state, total: image.total, observed: image.observed })
+    }
+
+    /// Hands over what is left, and the books if it `arrived` at its end. `groups`: group and home group of each
+    /// voxel.
+    pub fn conclude(
+        mut self,
+        plan: &Plan,
+        keep: &dyn Keep,
+        arrived: bool,
+        groups: (&[usize], &[u8]),
+    ) -> Result<(), RunError> {
+        hand_over(&mut self.observed, keep, 0)?;
+        if arrived {
+            keep.finished(self.observed.series.realization, share(plan, &self, groups))?;
+        }
+        Ok(())
+    }
+
+    /// Memory it takes, bytes, roughly.
+    pub fn bytes(&self) -> usize {
+        // Clocks and the modes of hybrid species come with the amounts.
+        16 * self.state.amounts.len() + 1024
     }
 
     /// The half of a step before the particles move: sponges, reactions, diffusion.

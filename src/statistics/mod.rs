@@ -4,12 +4,16 @@
 //! is NaN, and the tables say so as NaN.
 
 mod accumulator;
+mod comoments;
 mod comparison;
 mod gamma;
+mod quantiles;
 
 pub use accumulator::Accumulator;
+pub use comoments::CoMoments;
 pub use comparison::{convergence_order, relative_l2, standard_score};
 pub use gamma::{chi_square_p_value, ln_gamma, regularised_gamma_p, regularised_gamma_q};
+pub use quantiles::Quantiles;
 
 /// Location, spread and quantiles of a sample; the columns of `tables/statistics.parquet`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,25 +41,33 @@ impl Summary {
     /// The summary of a sample; every number NaN if it is empty.
     #[must_use]
     pub fn of(values: &[f64]) -> Summary {
-        let mut sorted = values.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let mean = mean(values);
-        let variance = variance(values);
-        let sd = variance.sqrt();
-        let q = |p| quantile_sorted(&sorted, p);
+        let (mut moments, mut quantiles) = (Accumulator::default(), Quantiles::new(values.len()));
+        for &value in values {
+            moments.push(value);
+            quantiles.push(value);
+        }
+        Summary::from(&moments, &quantiles)
+    }
+
+    /// The summary of a stream, from its moments and its quantiles.
+    #[must_use]
+    pub fn from(moments: &Accumulator, quantiles: &Quantiles) -> Summary {
+        let (mean, variance) = (moments.mean(), moments.variance());
+        let (sd, count) = (variance.sqrt(), moments.count());
+        let q = quantiles.all(&[0.05, 0.25, 0.5, 0.75, 0.95]);
         Summary {
-            count: values.len(),
+            count: count as usize,
             mean,
             variance,
             sd,
-            sem: sd / (values.len() as f64).sqrt(),
-            min: q(0.0),
-            q05: q(0.05),
-            q25: q(0.25),
-            median: q(0.5),
-            q75: q(0.75),
-            q95: q(0.95),
-            max: q(1.0),
+            sem: sd / (count as f64).sqrt(),
+            min: quantiles.min(),
+            q05: q[0],
+            q25: q[1],
+            median: q[2],
+            q75: q[3],
+            q95: q[4],
+            max: quantiles.max(),
             fano: variance / mean,
         }
     }
@@ -133,27 +145,53 @@ pub fn sem(values: &[f64]) -> f64 {
     (variance(values) / values.len() as f64).sqrt()
 }
 
-/// Bins (low, high, count) of low <= value < high with edges at whole numbers, without gaps. The width follows
-/// Freedman & Diaconis, Z. Wahrscheinlichkeitstheorie 57 (1981) 453, 2 IQR n^(-1/3), but is at least one and leaves
-/// no fewer than 2 n^(1/3) bins (Rice).
+/// The bins [`Histogram`] chooses for a sample: (low, high, count).
 #[must_use]
 pub fn histogram(values: &[f64]) -> Vec<(f64, f64, u32)> {
-    let s = Summary::of(values);
-    if !(s.min.is_finite() && s.max.is_finite()) {
-        return Vec::new();
+    let mut histogram = Histogram::new(&Summary::of(values));
+    values.iter().for_each(|&value| histogram.push(value));
+    histogram.bins().collect()
+}
+
+/// Counts of values in bins low <= value < high with edges at whole numbers, without gaps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    start: f64,
+    width: f64,
+    count: Vec<u32>,
+}
+
+impl Histogram {
+    /// Empty bins for a sample of this summary. The width follows Freedman & Diaconis, Z. Wahrscheinlichkeitstheorie
+    /// 57 (1981) 453, 2 IQR n^(-1/3), but is at least one and leaves no fewer than 2 n^(1/3) bins (Rice).
+    #[must_use]
+    pub fn new(s: &Summary) -> Histogram {
+        if !(s.min.is_finite() && s.max.is_finite()) {
+            return Histogram { start: 0.0, width: 1.0, count: Vec::new() };
+        }
+        let root = (s.count as f64).cbrt();
+        // Two peaks put the quartiles far apart: no wider than Rice's rule of 2 n^(1/3) bins over the range.
+        let width = (2.0 * (s.q75 - s.q25) / root).min((s.max - s.min) / (2.0 * root)).round().max(1.0);
+        let start = (s.min / width).floor() * width;
+        // A heavy tail must not ask for a million bins.
+        let bins = ((s.max - start) / width).floor().min(9_999.0) as usize + 1;
+        Histogram { start, width, count: vec![0; bins] }
     }
-    let root = (values.len() as f64).cbrt();
-    // Two peaks put the quartiles far apart: no wider than Rice's rule of 2 n^(1/3) bins over the range.
-    let width = (2.0 * (s.q75 - s.q25) / root).min((s.max - s.min) / (2.0 * root)).round().max(1.0);
-    let start = (s.min / width).floor() * width;
-    // A heavy tail must not ask for a million bins.
-    let bins = ((s.max - start) / width).floor().min(9_999.0) as usize + 1;
-    let mut count = vec![0; bins];
-    for v in values {
-        count[(((v - start) / width).floor() as usize).min(bins - 1)] += 1;
+
+    /// Counts a value.
+    pub fn push(&mut self, value: f64) {
+        let last = self.count.len().saturating_sub(1);
+        let bin = (((value - self.start) / self.width).floor() as usize).min(last);
+        if let Some(count) = self.count.get_mut(bin) {
+            *count += 1;
+        }
     }
-    let edge = |k: usize| start + k as f64 * width;
-    count.into_iter().enumerate().map(|(k, n)| (edge(k), edge(k + 1), n)).collect()
+
+    /// Bins (low, high, count).
+    pub fn bins(&self) -> impl Iterator<Item = (f64, f64, u32)> + '_ {
+        let edge = |k: usize| self.start + k as f64 * self.width;
+        self.count.iter().enumerate().map(move |(k, &n)| (edge(k), edge(k + 1), n))
+    }
 }
 
 #[cfg(test)]

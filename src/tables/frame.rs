@@ -1,10 +1,13 @@
 //! Columns to Parquet and back.
 
-use super::write_atomically;
+use super::{draft, finish};
 use crate::error::RunError;
+use polars::io::parquet::write::BatchedWriter;
 use polars::prelude::*;
 use std::fs::File;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// A column of numbers.
 pub fn reals(name: &str, values: Vec<f64>) -> Column {
@@ -26,19 +29,50 @@ pub fn write_frames(
     path: &Path,
     frames: impl Iterator<Item = PolarsResult<DataFrame>>,
 ) -> Result<(), RunError> {
-    write_atomically(path, |file| parquet(file, frames).map_err(|e| e.to_string()))
+    let mut sheet = Sheet::new(path)?;
+    for frame in frames {
+        sheet.push(frame)?;
+    }
+    sheet.finish()
 }
 
-fn parquet(file: &mut File, mut frames: impl Iterator<Item = PolarsResult<DataFrame>>) -> PolarsResult<()> {
-    let Some(first) = frames.next().transpose()? else { return Ok(()) };
-    let writer = ParquetWriter::new(std::io::BufWriter::new(file));
-    let mut writer = writer.with_compression(ParquetCompression::Zstd(None)).batched(first.schema())?;
-    writer.write_batch(&first)?;
-    for frame in frames {
-        writer.write_batch(&frame?)?;
+/// A table that is written row group by row group and gets its name when it is complete.
+pub struct Sheet {
+    path: PathBuf,
+    draft: NamedTempFile,
+    writer: Option<BatchedWriter<BufWriter<File>>>,
+}
+
+impl Sheet {
+    /// Begins a table.
+    pub fn new(path: &Path) -> Result<Sheet, RunError> {
+        Ok(Sheet { path: path.to_path_buf(), draft: draft(path)?, writer: None })
     }
-    writer.finish()?;
-    Ok(())
+
+    /// Appends a row group; the first one says what the columns are and may be empty.
+    pub fn push(&mut self, frame: PolarsResult<DataFrame>) -> Result<(), RunError> {
+        let fault = |reason: String| RunError::File { path: self.path.display().to_string(), reason };
+        let frame = frame.map_err(|e| fault(e.to_string()))?;
+        if self.writer.is_none() {
+            let file = self.draft.as_file().try_clone().map_err(|e| fault(e.to_string()))?;
+            let writer =
+                ParquetWriter::new(BufWriter::new(file)).with_compression(ParquetCompression::Zstd(None));
+            self.writer = Some(writer.batched(frame.schema()).map_err(|e| fault(e.to_string()))?);
+        }
+        match &mut self.writer {
+            Some(writer) => writer.write_batch(&frame).map_err(|e| fault(e.to_string())),
+            None => Ok(()),
+        }
+    }
+
+    /// Completes the table.
+    pub fn finish(mut self) -> Result<(), RunError> {
+        if let Some(writer) = self.writer.take() {
+            let fault = |reason: String| RunError::File { path: self.path.display().to_string(), reason };
+            writer.finish().map_err(|e| fault(e.to_string()))?;
+        }
+        finish(self.draft, &self.path)
+    }
 }
 
 /// A file read back; asking for a column that is not there is an error with the file's name.
@@ -50,9 +84,15 @@ pub struct Table {
 impl Table {
     /// Reads a whole file.
     pub fn read(path: &Path) -> Result<Table, RunError> {
+        Table::read_head(path, usize::MAX)
+    }
+
+    /// Reads at most the first `rows` rows of a file.
+    pub fn read_head(path: &Path, rows: usize) -> Result<Table, RunError> {
         let fault = |reason: String| RunError::File { path: path.display().to_string(), reason };
         let file = File::open(path).map_err(|e| fault(e.to_string()))?;
-        let frame = ParquetReader::new(file).finish().map_err(|e| fault(e.to_string()))?;
+        let slice = (rows < usize::MAX).then_some((0, rows));
+        let frame = ParquetReader::new(file).with_slice(slice).finish().map_err(|e| fault(e.to_string()))?;
         Ok(Table { path: path.to_path_buf(), frame })
     }
 

@@ -12,17 +12,18 @@ mod summary;
 
 pub use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
 pub use particles::{list_particles, read_particles, write_particles};
-pub use probes::{read_probes, write_probes};
+pub use probes::{ProbesWriter, read_probes, write_probes};
 pub use record::{read_record, write_record};
-pub use series::{SeriesTable, read_series, write_series};
+pub use series::{SeriesTable, SeriesWriter, read_series, read_series_head, write_series};
 pub use summary::{
-    Bin, CovarianceRow, StatisticsRow, read_covariance, read_histograms, read_statistics, write_covariance,
-    write_histograms, write_statistics,
+    Bin, CovarianceRow, CovarianceWriter, StatisticsRow, StatisticsWriter, read_covariance, read_histograms,
+    read_statistics, write_histograms,
 };
 
 use crate::error::RunError;
 use std::io::Write;
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// Writes a file as a whole or not at all: temporary name in the same folder, then rename. Makes the folder
 /// if it is missing.
@@ -34,6 +35,14 @@ pub fn write_atomically(
     content: impl FnOnce(&mut std::fs::File) -> Result<(), String>,
 ) -> Result<(), RunError> {
     let fault = |reason: String| RunError::File { path: path.display().to_string(), reason };
+    let mut file = draft(path)?;
+    content(file.as_file_mut()).map_err(fault)?;
+    finish(file, path)
+}
+
+/// A temporary file in the folder of a file to be written; the folder is made if it is missing.
+fn draft(path: &Path) -> Result<NamedTempFile, RunError> {
+    let fault = |reason: String| RunError::File { path: path.display().to_string(), reason };
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(|e| fault(e.to_string()))?;
     let mut builder = tempfile::Builder::new();
@@ -41,10 +50,15 @@ pub fn write_atomically(
     // Without this the file would keep the private mode of a temporary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-    let mut file = builder.tempfile_in(folder).map_err(|e| fault(e.to_string()))?;
-    content(file.as_file_mut()).map_err(fault)?;
-    file.as_file_mut().flush().map_err(|e| fault(e.to_string()))?;
-    file.persist(path).map_err(|e| fault(e.error.to_string()))?;
+    builder.tempfile_in(folder).map_err(|e| fault(e.to_string()))
+}
+
+/// Drives a draft to the disk and gives it its name.
+fn finish(mut draft: NamedTempFile, path: &Path) -> Result<(), RunError> {
+    let fault = |reason: String| RunError::File { path: path.display().to_string(), reason };
+    let file = draft.as_file_mut();
+    file.flush().and_then(|()| file.sync_all()).map_err(|e| fault(e.to_string()))?;
+    draft.persist(path).map_err(|e| fault(e.error.to_string()))?;
     Ok(())
 }
 

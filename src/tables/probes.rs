@@ -1,31 +1,83 @@
 //! `tables/probes.parquet`: quantities along lines and rings.
 
-use super::frame::{self, Table};
+use super::frame::{self, Sheet, Table};
 use crate::error::RunError;
 use crate::samples::ProbeRows;
 use polars::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Rows of a row group, roughly: bounds the memory of writing.
+const ROWS_PER_GROUP: usize = 1 << 17;
+
+/// Writes `tables/probes.parquet` in order of realization; within one the given order stands.
+pub struct ProbesWriter {
+    path: PathBuf,
+    sheet: Sheet,
+    waiting: Vec<ProbeRows>,
+    rows: usize,
+}
+
+impl ProbesWriter {
+    /// Begins the table below `dir`.
+    ///
+    /// # Errors
+    /// [`RunError::File`] if the file cannot be written.
+    pub fn new(dir: &Path) -> Result<ProbesWriter, RunError> {
+        let path = dir.join("tables/probes.parquet");
+        let mut sheet = Sheet::new(&path)?;
+        sheet.push(row_group(&[]))?;
+        Ok(ProbesWriter { path, sheet, waiting: Vec::new(), rows: 0 })
+    }
+
+    /// Appends a row of one probe.
+    ///
+    /// # Errors
+    /// As [`ProbesWriter::new`], and arrays that differ in length.
+    pub fn push(&mut self, rows: &ProbeRows) -> Result<(), RunError> {
+        if rows.s.len() != rows.value.len() || rows.s.len() != rows.position.len() {
+            let reason = format!("probe {} at {} s: arrays differ in length", rows.probe, rows.time);
+            return Err(RunError::File { path: self.path.display().to_string(), reason });
+        }
+        self.rows += rows.s.len();
+        self.waiting.push(rows.clone());
+        if self.rows >= ROWS_PER_GROUP { self.flush() } else { Ok(()) }
+    }
+
+    fn flush(&mut self) -> Result<(), RunError> {
+        self.sheet.push(row_group(&self.waiting))?;
+        self.waiting.clear();
+        self.rows = 0;
+        Ok(())
+    }
+
+    /// Completes the table.
+    ///
+    /// # Errors
+    /// As [`ProbesWriter::new`].
+    pub fn finish(mut self) -> Result<(), RunError> {
+        if !self.waiting.is_empty() {
+            self.flush()?;
+        }
+        self.sheet.finish()
+    }
+}
 
 /// Writes `tables/probes.parquet` below `dir`, sorted by realization; within one the given order stands.
 ///
 /// # Errors
 /// [`RunError::File`] if the file cannot be written or the arrays of a row differ in length.
 pub fn write_probes(dir: &Path, rows: &[ProbeRows]) -> Result<(), RunError> {
-    let path = dir.join("tables/probes.parquet");
-    if let Some(r) = rows.iter().find(|r| r.s.len() != r.value.len() || r.s.len() != r.position.len()) {
-        let reason = format!("probe {} at {} s: arrays differ in length", r.probe, r.time);
-        return Err(RunError::File { path: path.display().to_string(), reason });
-    }
     let mut sorted: Vec<&ProbeRows> = rows.iter().collect();
     sorted.sort_by_key(|r| r.realization);
-    // Blocks of constant count bound the memory of a row group.
-    let chunks: Vec<&[&ProbeRows]> =
-        if sorted.is_empty() { vec![&[]] } else { sorted.chunks(4096).collect() };
-    frame::write_frames(&path, chunks.into_iter().map(row_group))
+    let mut writer = ProbesWriter::new(dir)?;
+    for rows in sorted {
+        writer.push(rows)?;
+    }
+    writer.finish()
 }
 
-fn row_group(blocks: &[&ProbeRows]) -> PolarsResult<DataFrame> {
-    let rows = || blocks.iter().flat_map(|b| (0..b.s.len()).map(move |k| (*b, k)));
+fn row_group(blocks: &[ProbeRows]) -> PolarsResult<DataFrame> {
+    let rows = || blocks.iter().flat_map(|b| (0..b.s.len()).map(move |k| (b, k)));
     let probe: Vec<&str> = rows().map(|(b, _)| b.probe.as_str()).collect();
     let quantity: Vec<&str> = rows().map(|(b, _)| b.quantity.as_str()).collect();
     DataFrame::new_infer_height(vec![

@@ -1,13 +1,13 @@
 //! `tables/series.parquet`: amounts against time, realization by realization.
 
-use super::frame::{self, Table};
+use super::frame::{self, Sheet, Table};
 use crate::error::RunError;
 use crate::samples::{Columns, SeriesBlock};
 use polars::prelude::*;
 use std::path::Path;
 
-/// Rows of a row group, roughly; bounds the memory of writing.
-const ROWS_PER_GROUP: usize = 1 << 20;
+/// Rows of a row group: bounds the memory of writing. The same rows give the same bytes however they came.
+const ROWS_PER_GROUP: usize = 1 << 18;
 
 /// The whole of `series.parquet`, blocks in order of realization.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +31,92 @@ pub(super) fn across(blocks: &[SeriesBlock], columns: usize, time: usize, column
     blocks.iter().filter_map(|b| b.amount.get(time * columns + column).copied()).collect()
 }
 
+/// Writes `tables/series.parquet` row by row, in order of realization, time and column.
+pub struct SeriesWriter<'a> {
+    times: &'a [f64],
+    columns: &'a Columns,
+    sheet: Sheet,
+    realization: Vec<u32>,
+    /// Time and column of each row that waits: time x columns + column.
+    place: Vec<usize>,
+    amount: Vec<f64>,
+    concentration: Vec<f64>,
+}
+
+impl<'a> SeriesWriter<'a> {
+    /// Begins the table below `dir`.
+    ///
+    /// # Errors
+    /// [`RunError::File`] if the file cannot be written.
+    pub fn new(dir: &Path, times: &'a [f64], columns: &'a Columns) -> Result<SeriesWriter<'a>, RunError> {
+        let sheet = Sheet::new(&dir.join("tables/series.parquet"))?;
+        let mut writer = SeriesWriter {
+            times,
+            columns,
+            sheet,
+            realization: Vec::new(),
+            place: Vec::new(),
+            amount: Vec::new(),
+            concentration: Vec::new(),
+        };
+        // What the columns are is told even if there is no row.
+        writer.flush()?;
+        Ok(writer)
+    }
+
+    /// Appends what a realization has shown from output time number `first` on.
+    ///
+    /// # Errors
+    /// As [`SeriesWriter::new`].
+    pub fn push(
+        &mut self,
+        realization: u32,
+        first: usize,
+        amount: &[f64],
+        concentration: &[f64],
+    ) -> Result<(), RunError> {
+        let from = first * self.columns.len();
+        for (k, (&n, &c)) in amount.iter().zip(concentration).enumerate() {
+            self.realization.push(realization);
+            self.place.push(from + k);
+            self.amount.push(n);
+            self.concentration.push(c);
+            if self.place.len() == ROWS_PER_GROUP {
+                self.flush()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), RunError> {
+        let width = self.columns.len().max(1);
+        let names = |of: &'a [String]| -> Vec<&'a str> {
+            self.place.iter().map(|k| of[k % width].as_str()).collect()
+        };
+        let frame = DataFrame::new_infer_height(vec![
+            frame::whole("realization", std::mem::take(&mut self.realization)),
+            frame::reals("time", self.place.iter().map(|k| self.times[k / width]).collect()),
+            frame::text("group", &names(&self.columns.groups)),
+            frame::text("species", &names(&self.columns.species)),
+            frame::reals("amount", std::mem::take(&mut self.amount)),
+            frame::reals("concentration", std::mem::take(&mut self.concentration)),
+        ]);
+        self.place.clear();
+        self.sheet.push(frame)
+    }
+
+    /// Completes the table.
+    ///
+    /// # Errors
+    /// As [`SeriesWriter::new`].
+    pub fn finish(mut self) -> Result<(), RunError> {
+        if !self.place.is_empty() {
+            self.flush()?;
+        }
+        self.sheet.finish()
+    }
+}
+
 /// Writes `tables/series.parquet` below `dir`, sorted by realization, time and column.
 ///
 /// # Errors
@@ -41,34 +127,18 @@ pub fn write_series(
     columns: &Columns,
     blocks: &[SeriesBlock],
 ) -> Result<(), RunError> {
-    let path = dir.join("tables/series.parquet");
     let size = times.len() * columns.len();
     let mut sorted: Vec<&SeriesBlock> = blocks.iter().collect();
     sorted.sort_by_key(|b| b.realization);
     if let Some(b) = sorted.iter().find(|b| b.amount.len() != size || b.concentration.len() != size) {
         let reason = format!("realization {} holds {} amounts for {size}", b.realization, b.amount.len());
-        return Err(RunError::File { path: path.display().to_string(), reason });
+        return Err(RunError::File { path: dir.join("tables/series.parquet").display().to_string(), reason });
     }
-    let per_group = (ROWS_PER_GROUP / size.max(1)).max(1);
-    let empty: [&[&SeriesBlock]; 1] = [&[]];
-    let chunks: Vec<&[&SeriesBlock]> =
-        if sorted.is_empty() { empty.to_vec() } else { sorted.chunks(per_group).collect() };
-    frame::write_frames(&path, chunks.into_iter().map(|chunk| row_group(times, columns, chunk)))
-}
-
-fn row_group(times: &[f64], columns: &Columns, blocks: &[&SeriesBlock]) -> PolarsResult<DataFrame> {
-    let (width, size) = (columns.len(), times.len() * columns.len());
-    let rows = || blocks.iter().flat_map(|b| (0..size).map(move |k| (b, k)));
-    let group: Vec<&str> = rows().map(|(_, k)| columns.groups[k % width].as_str()).collect();
-    let species: Vec<&str> = rows().map(|(_, k)| columns.species[k % width].as_str()).collect();
-    DataFrame::new_infer_height(vec![
-        frame::whole("realization", rows().map(|(b, _)| b.realization).collect()),
-        frame::reals("time", rows().map(|(_, k)| times[k / width]).collect()),
-        frame::text("group", &group),
-        frame::text("species", &species),
-        frame::reals("amount", rows().map(|(b, k)| b.amount[k]).collect()),
-        frame::reals("concentration", rows().map(|(b, k)| b.concentration[k]).collect()),
-    ])
+    let mut writer = SeriesWriter::new(dir, times, columns)?;
+    for block in sorted {
+        writer.push(block.realization, 0, &block.amount, &block.concentration)?;
+    }
+    writer.finish()
 }
 
 /// Reads `tables/series.parquet` below `dir`.
@@ -77,7 +147,19 @@ fn row_group(times: &[f64], columns: &Columns, blocks: &[&SeriesBlock]) -> Polar
 /// [`RunError::File`] if the file or a column is missing, or a realization is incomplete.
 pub fn read_series(dir: &Path) -> Result<SeriesTable, RunError> {
     let path = dir.join("tables/series.parquet");
-    let table = Table::read(&path)?;
+    blocks(&path, &Table::read(&path)?)
+}
+
+/// Reads at most the first `realizations` of `tables/series.parquet` below `dir`, each of `rows` rows.
+///
+/// # Errors
+/// As [`read_series`].
+pub fn read_series_head(dir: &Path, realizations: usize, rows: usize) -> Result<SeriesTable, RunError> {
+    let path = dir.join("tables/series.parquet");
+    blocks(&path, &Table::read_head(&path, realizations.saturating_mul(rows))?)
+}
+
+fn blocks(path: &Path, table: &Table) -> Result<SeriesTable, RunError> {
     let (realization, time) = (table.whole("realization")?, table.reals("time")?);
     let (group, species) = (table.text("group")?, table.text("species")?);
     let (amount, concentration) = (table.reals("amount")?, table.reals("concentration")?);

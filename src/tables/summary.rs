@@ -1,11 +1,9 @@
 //! Tables across realizations: statistics, covariances, histograms.
 
-use super::frame::{self, Table};
-use super::series::across;
+use super::frame::{self, Sheet, Table};
 use crate::error::RunError;
-use crate::record::HistogramRecord;
-use crate::samples::{Columns, SeriesBlock};
-use crate::statistics::{self, Summary};
+use crate::samples::Columns;
+use crate::statistics::{CoMoments, Summary};
 use polars::prelude::*;
 use std::path::Path;
 
@@ -45,43 +43,58 @@ pub struct Bin {
     pub count: u32,
 }
 
-/// Writes `tables/statistics.parquet` below `dir`: one row per time and column, over all blocks.
-///
-/// # Errors
-/// [`RunError::File`] if the file cannot be written.
-pub fn write_statistics(
-    dir: &Path,
-    times: &[f64],
-    columns: &Columns,
-    blocks: &[SeriesBlock],
-) -> Result<(), RunError> {
-    let sorted = in_order(blocks);
-    let keys = || (0..times.len()).flat_map(|t| (0..columns.len()).map(move |c| (t, c)));
-    let rows: Vec<Summary> =
-        keys().map(|(t, c)| Summary::of(&across(&sorted, columns.len(), t, c))).collect();
-    let column =
-        |name: &str, value: fn(&Summary) -> f64| frame::reals(name, rows.iter().map(value).collect());
-    let group: Vec<&str> = keys().map(|(_, c)| columns.groups[c].as_str()).collect();
-    let species: Vec<&str> = keys().map(|(_, c)| columns.species[c].as_str()).collect();
-    let table = DataFrame::new_infer_height(vec![
-        frame::reals("time", keys().map(|(t, _)| times[t]).collect()),
-        frame::text("group", &group),
-        frame::text("species", &species),
-        frame::whole("realizations", rows.iter().map(|s| s.count as u32).collect()),
-        column("mean", |s| s.mean),
-        column("variance", |s| s.variance),
-        column("sd", |s| s.sd),
-        column("sem", |s| s.sem),
-        column("min", |s| s.min),
-        column("q05", |s| s.q05),
-        column("q25", |s| s.q25),
-        column("median", |s| s.median),
-        column("q75", |s| s.q75),
-        column("q95", |s| s.q95),
-        column("max", |s| s.max),
-        column("fano", |s| s.fano),
-    ]);
-    frame::write_frames(&dir.join("tables/statistics.parquet"), std::iter::once(table))
+/// Writes `tables/statistics.parquet`: one row per time and column.
+pub struct StatisticsWriter<'a> {
+    columns: &'a Columns,
+    sheet: Sheet,
+}
+
+impl<'a> StatisticsWriter<'a> {
+    /// Begins the table below `dir`.
+    ///
+    /// # Errors
+    /// [`RunError::File`] if the file cannot be written.
+    pub fn new(dir: &Path, columns: &'a Columns) -> Result<StatisticsWriter<'a>, RunError> {
+        Ok(StatisticsWriter { columns, sheet: Sheet::new(&dir.join("tables/statistics.parquet"))? })
+    }
+
+    /// Appends the rows of some times: `rows` are times x columns.
+    ///
+    /// # Errors
+    /// As [`StatisticsWriter::new`].
+    pub fn push(&mut self, times: &[f64], rows: &[Summary]) -> Result<(), RunError> {
+        let (width, columns) = (self.columns.len().max(1), self.columns);
+        let column =
+            |name: &str, value: fn(&Summary) -> f64| frame::reals(name, rows.iter().map(value).collect());
+        let names =
+            |of: &'a [String]| -> Vec<&'a str> { (0..rows.len()).map(|k| of[k % width].as_str()).collect() };
+        self.sheet.push(DataFrame::new_infer_height(vec![
+            frame::reals("time", (0..rows.len()).map(|k| times[k / width]).collect()),
+            frame::text("group", &names(&columns.groups)),
+            frame::text("species", &names(&columns.species)),
+            frame::whole("realizations", rows.iter().map(|s| s.count as u32).collect()),
+            column("mean", |s| s.mean),
+            column("variance", |s| s.variance),
+            column("sd", |s| s.sd),
+            column("sem", |s| s.sem),
+            column("min", |s| s.min),
+            column("q05", |s| s.q05),
+            column("q25", |s| s.q25),
+            column("median", |s| s.median),
+            column("q75", |s| s.q75),
+            column("q95", |s| s.q95),
+            column("max", |s| s.max),
+            column("fano", |s| s.fano),
+        ]))
+    }
+
+    /// Completes the table.
+    ///
+    /// # Errors
+    /// As [`StatisticsWriter::new`].
+    pub fn finish(self) -> Result<(), RunError> {
+        self.sheet.finish()
+    }
 }
 
 /// Reads `tables/statistics.parquet` below `dir`.
@@ -117,41 +130,49 @@ pub fn read_statistics(dir: &Path) -> Result<Vec<StatisticsRow>, RunError> {
     Ok((0..table.rows()).map(row).collect())
 }
 
-/// Writes `tables/covariance.parquet` below `dir`: the full symmetric matrix of all columns at each time.
-///
-/// # Errors
-/// [`RunError::File`] if the file cannot be written.
-pub fn write_covariance(
-    dir: &Path,
-    times: &[f64],
-    columns: &Columns,
-    blocks: &[SeriesBlock],
-) -> Result<(), RunError> {
-    let (sorted, width) = (in_order(blocks), columns.len());
-    // One row group a time: a matrix of many columns stays within memory.
-    let at = |t: usize| {
-        let samples: Vec<Vec<f64>> = (0..width).map(|c| across(&sorted, width, t, c)).collect();
+/// Writes `tables/covariance.parquet`: the full symmetric matrix of all columns at each time.
+pub struct CovarianceWriter<'a> {
+    columns: &'a Columns,
+    sheet: Sheet,
+}
+
+impl<'a> CovarianceWriter<'a> {
+    /// Begins the table below `dir`.
+    ///
+    /// # Errors
+    /// [`RunError::File`] if the file cannot be written.
+    pub fn new(dir: &Path, columns: &'a Columns) -> Result<CovarianceWriter<'a>, RunError> {
+        Ok(CovarianceWriter { columns, sheet: Sheet::new(&dir.join("tables/covariance.parquet"))? })
+    }
+
+    /// Appends the matrix at a time, s.
+    ///
+    /// # Errors
+    /// As [`CovarianceWriter::new`].
+    pub fn push(&mut self, time: f64, moments: &CoMoments) -> Result<(), RunError> {
+        let (width, columns) = (self.columns.len(), self.columns);
         let pairs = || (0..width).flat_map(|a| (0..width).map(move |b| (a, b)));
-        let name = |names: &[String], first: bool| -> Column {
-            let rows: Vec<&str> = pairs().map(|(a, b)| names[if first { a } else { b }].as_str()).collect();
-            frame::text("", &rows)
+        let name = |names: &'a [String], first: bool| -> Vec<&'a str> {
+            pairs().map(|(a, b)| names[if first { a } else { b }].as_str()).collect()
         };
-        DataFrame::new_infer_height(vec![
-            frame::reals("time", vec![times[t]; width * width]),
-            name(&columns.groups, true).with_name("group_a".into()),
-            name(&columns.species, true).with_name("species_a".into()),
-            name(&columns.groups, false).with_name("group_b".into()),
-            name(&columns.species, false).with_name("species_b".into()),
-            frame::reals(
-                "covariance",
-                // Ordered arguments: both halves of the matrix carry the same bits.
-                pairs()
-                    .map(|(a, b)| statistics::covariance(&samples[a.min(b)], &samples[a.max(b)]))
-                    .collect(),
-            ),
-        ])
-    };
-    frame::write_frames(&dir.join("tables/covariance.parquet"), (0..times.len()).map(at))
+        // One row group a time: a matrix of many columns stays within memory.
+        self.sheet.push(DataFrame::new_infer_height(vec![
+            frame::reals("time", vec![time; width * width]),
+            frame::text("group_a", &name(&columns.groups, true)),
+            frame::text("species_a", &name(&columns.species, true)),
+            frame::text("group_b", &name(&columns.groups, false)),
+            frame::text("species_b", &name(&columns.species, false)),
+            frame::reals("covariance", pairs().map(|(a, b)| moments.covariance(a, b)).collect()),
+        ]))
+    }
+
+    /// Completes the table.
+    ///
+    /// # Errors
+    /// As [`CovarianceWriter::new`].
+    pub fn finish(self) -> Result<(), RunError> {
+        self.sheet.finish()
+    }
 }
 
 /// Reads `tables/covariance.parquet` below `dir`.
@@ -172,31 +193,11 @@ pub fn read_covariance(dir: &Path) -> Result<Vec<CovarianceRow>, RunError> {
     Ok((0..table.rows()).map(row).collect())
 }
 
-/// Writes `tables/histogram.parquet` below `dir`: for each distribution asked for, bins of whole molecules
-/// whose width follows Freedman & Diaconis (1981), 2 IQR n^(-1/3), but is at least one.
+/// Writes `tables/histogram.parquet` below `dir`.
 ///
 /// # Errors
 /// [`RunError::File`] if the file cannot be written.
-pub fn write_histograms(
-    dir: &Path,
-    times: &[f64],
-    columns: &Columns,
-    blocks: &[SeriesBlock],
-    wanted: &[HistogramRecord],
-) -> Result<(), RunError> {
-    let sorted = in_order(blocks);
-    let mut bins: Vec<Bin> = Vec::new();
-    for w in wanted {
-        let Some(c) = columns.find(&w.group, &w.species) else { continue };
-        for &time in &w.times {
-            let Some(t) = nearest(times, time) else { continue };
-            let values = across(&sorted, columns.len(), t, c);
-            for (low, high, count) in statistics::histogram(&values) {
-                let (group, species) = (w.group.clone(), w.species.clone());
-                bins.push(Bin { time: times[t], group, species, low, high, count });
-            }
-        }
-    }
+pub fn write_histograms(dir: &Path, bins: &[Bin]) -> Result<(), RunError> {
     let group: Vec<&str> = bins.iter().map(|b| b.group.as_str()).collect();
     let species: Vec<&str> = bins.iter().map(|b| b.species.as_str()).collect();
     let table = DataFrame::new_infer_height(vec![
@@ -227,42 +228,4 @@ pub fn read_histograms(dir: &Path) -> Result<Vec<Bin>, RunError> {
         count: count[k],
     };
     Ok((0..table.rows()).map(row).collect())
-}
-
-fn in_order(blocks: &[SeriesBlock]) -> Vec<SeriesBlock> {
-    let mut sorted = blocks.to_vec();
-    sorted.sort_by_key(|b| b.realization);
-    sorted
-}
-
-fn nearest(times: &[f64], time: f64) -> Option<usize> {
-    (0..times.len()).min_by(|&a, &b| (times[a] - time).abs().total_cmp(&(times[b] - time).abs()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn statistics_covariance_and_histogram_of_three_realizations() {
-        let dir = tempfile::tempdir().unwrap();
-        let columns = Columns { groups: vec!["all".into(); 2], species: vec!["A".into(), "B".into()] };
-        let block = |realization: u32, a: f64| SeriesBlock {
-            realization,
-            amount: vec![a, 10.0 - a],
-            concentration: vec![0.0; 2],
-        };
-        let blocks = [block(2, 5.0), block(0, 1.0), block(1, 3.0)];
-        write_statistics(dir.path(), &[1.5], &columns, &blocks).unwrap();
-        let rows = read_statistics(dir.path()).unwrap();
-        assert_eq!((rows.len(), rows[0].summary.mean, rows[0].summary.variance), (2, 3.0, 4.0));
-        write_covariance(dir.path(), &[1.5], &columns, &blocks).unwrap();
-        let c = read_covariance(dir.path()).unwrap();
-        assert_eq!(c.iter().map(|r| r.covariance).collect::<Vec<_>>(), [4.0, -4.0, -4.0, 4.0]);
-        let wanted = HistogramRecord { group: "all".into(), species: "A".into(), times: vec![1.5] };
-        write_histograms(dir.path(), &[1.5], &columns, &blocks, &[wanted]).unwrap();
-        let bins = read_histograms(dir.path()).unwrap();
-        assert_eq!(bins.iter().map(|b| b.count).sum::<u32>(), 3);
-        assert!(bins.iter().all(|b| b.low < b.high && b.species == "A"));
-    }
 }

@@ -29,10 +29,10 @@ mod verdict;
 mod vortices;
 
 use crate::ensemble;
+use crate::ensemble::Results;
 use crate::error::RunError;
 use crate::model::load;
 use crate::plan::Plan;
-use crate::results::Results;
 use crate::samples::ParticleFrame;
 use crate::simulation::{NotReady, Ready, Watch};
 use findings::Findings;
@@ -205,18 +205,7 @@ fn with_plan<T>(
 
 /// Runs a shipped model with values changed as by `--set`, without writing anything but a folder that is removed.
 fn run(shipped: &Shipped, overrides: &[String]) -> Result<Results, RunError> {
-    with_plan(shipped, overrides, |plan, ready, folder| {
-        let block = 0..plan.model.run.realizations;
-        let mut results = ensemble::empty(plan, ensemble::record(plan, &block, ready.steps(), 0));
-        let numbers: Vec<u32> = block.collect();
-        let mut outcome = ready.run(&numbers, &Watch::silent());
-        ensemble::keep(&mut results, folder, &mut outcome, false)?;
-        ensemble::conclude(plan, &mut results, &outcome.tally, outcome.error.as_ref(), outcome.interrupted);
-        match outcome.error {
-            Some(error) => Err(error),
-            None => Ok(results),
-        }
-    })
+    with_plan(shipped, overrides, |plan, ready, _| ensemble::in_memory(plan, ready))
 }
 
 /// Runs a shipped model likewise and returns what its particle tables would hold, realization by realization.

@@ -3,8 +3,8 @@
 use super::series::{across, probe};
 use super::table::Table;
 use super::{Row, Scope, Shipped, Verdict, run, timed};
+use crate::ensemble::Results;
 use crate::error::RunError;
-use crate::results::Results;
 use crate::statistics;
 
 /// H, m; t_o = H/v_o, s; C_o, mol/m³.

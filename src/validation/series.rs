@@ -1,6 +1,6 @@
 //! Numbers read off the results of a run.
 
-use crate::results::Results;
+use crate::ensemble::Results;
 use crate::statistics;
 
 /// Amounts of a species in a group at a time, one per realization.

@@ -1,14 +1,11 @@
-//! What must be kept of a realization to go on with it later.
-//!
-//! Random streams are not kept: a run that may be resumed opens a new period at fixed model times
-//! ([`SplitState::open_period`]), interrupted or not, and a resumed run opens the same one.
+//! What must be kept of a realization to go on with it later, to the bit.
 
 use super::{Counters, Modes, SplitState};
 use crate::chemistry::reactor::Reactor;
-use crate::random::{Purpose, mix, stream};
+use crate::random::Stream;
 use serde::{Deserialize, Serialize};
 
-/// The state of one realization between two periods.
+/// The state of one realization between two steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Molecules, voxel by voxel.
@@ -26,6 +23,8 @@ pub struct Snapshot {
     pub fired: Vec<u64>,
     /// Expected events withheld.
     pub withheld: f64,
+    /// Random streams: reactions, hops, reservoirs, changes of representation.
+    pub streams: [Stream; 4],
 }
 
 impl SplitState {
@@ -33,6 +32,7 @@ impl SplitState {
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let emission = self.held_mean.iter().copied().enumerate().filter(|(_, mean)| !mean.is_nan());
+        let streams = [&self.reactions, &self.hops, &self.reservoirs, &self.changing];
         Snapshot {
             amounts: self.amounts.clone(),
             supplied: self.supplied.clone(),
@@ -42,15 +42,15 @@ impl SplitState {
             modes: self.modes.clone(),
             fired: self.fired.clone(),
             withheld: self.withheld,
+            streams: streams.map(Clone::clone),
         }
     }
 
-    /// The realization at a snapshot; to be followed by [`SplitState::open_period`].
-    /// `None` if the snapshot belongs to another number of species or voxels.
+    /// The realization at a snapshot. `None` if the snapshot belongs to another number of species or voxels.
     #[must_use]
-    pub fn resume(reactor: &Reactor, snapshot: Snapshot, seed: u64, realization: u64) -> Option<SplitState> {
+    pub fn resume(reactor: &Reactor, snapshot: Snapshot) -> Option<SplitState> {
         let slots = snapshot.amounts.len();
-        let mut state = SplitState::new(reactor, snapshot.amounts, seed, realization);
+        let mut state = SplitState::new(reactor, snapshot.amounts, 0, 0);
         let fits = snapshot.supplied.len() == state.supplied.len()
             && snapshot.clocks.len() == state.clocks.len()
             && snapshot.fired.len() == state.fired.len()
@@ -65,19 +65,10 @@ impl SplitState {
         state.modes = snapshot.modes;
         state.fired = snapshot.fired;
         state.withheld = snapshot.withheld;
+        [state.reactions, state.hops, state.reservoirs, state.changing] = snapshot.streams;
         for (slot, mean) in snapshot.emission {
             state.emit_by(slot, mean);
         }
         Some(state)
-    }
-
-    /// Starts fresh streams keyed by (seed, realization, period); what follows depends on nothing else
-    /// than these and the snapshot.
-    pub fn open_period(&mut self, seed: u64, realization: u64, period: u64) {
-        let key = mix(seed ^ mix(period.wrapping_add(1)));
-        self.reactions = stream(key, realization, Purpose::Reactions);
-        self.hops = stream(key, realization, Purpose::Diffusion);
-        self.reservoirs = stream(key, realization, Purpose::Reservoirs);
-        self.changing = stream(key, realization, Purpose::Representation);
     }
 }

@@ -33,10 +33,8 @@ pub(super) fn table(folder: &Folder) -> String {
         let (range, standing) = (ensemble.range(k), folder.standing(k));
         let size = range.end - range.start;
         let mut remark = standing.error.clone();
-        if standing.state == State::Running
-            && let Some(age) = standing.age
-        {
-            remark = format!("last written {} ago", duration(age as f64));
+        if let Some(age) = standing.age {
+            remark = format!("last written {} ago", duration(age));
         }
         let line = format!(
             "{k:>5}  {:<15} {:>11}  {:<11} {:>10}  {remark}",

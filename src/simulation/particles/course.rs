@@ -1,110 +1,196 @@
-//! The course of one flow with the realizations on it, step by step.
+//! The course of one flow with the realizations on it, step by step; taken up from its last saved state if there is
+//! one.
 
-use crate::chemistry::split::Frozen;
 use crate::error::RunError;
 use crate::plan::Plan;
 use crate::plan::start::Start;
 use crate::sampling::Lens;
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use crate::simulation::clock::Interval;
 use crate::simulation::freeze::freeze;
-use crate::simulation::realization::{Exchange, Realization, Reservoirs, Surroundings};
+use crate::simulation::keep::{CourseShare, Keep, PIECE, hand_over};
+use crate::simulation::realization::{Exchange, Image, Realization, Reservoirs, Surroundings};
+use crate::simulation::states::{decode, foreign, save};
 use crate::simulation::{FlowTally, Watch};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize, Serializer};
 use std::time::Instant;
+
+/// Values that realizations on one flow may hold together before they hand over pieces: 64 MB.
+const TOGETHER: usize = 1 << 23;
 
 /// A flow at t = 0 and the chemistry's view of it.
 pub(super) struct Course<'r, 'p, const D: usize> {
     pub plan: &'p Plan,
     pub scene: Scene<'p, D>,
-    pub frozen: Frozen,
     pub start: &'r Start,
     pub clock: &'r [Interval],
     /// Whether all realizations of the run see this flow.
     pub shared: bool,
+    pub watch: &'r Watch,
+    pub keep: &'r dyn Keep,
+}
+
+/// The realizations on a flow, and the first failure among them or of the flow.
+#[derive(Default)]
+pub(super) struct Crew {
+    pub members: Vec<Realization>,
+    pub error: Option<RunError>,
 }
 
 /// How far a course came.
 #[derive(Default)]
 pub(super) struct Travelled {
-    /// Output times seen.
-    pub times: usize,
-    /// The first failure.
-    pub error: Option<RunError>,
+    pub crew: Crew,
+    pub course: CourseShare,
+    /// Whether the realizations that are left came to the end.
+    pub arrived: bool,
     pub interrupted: bool,
-    pub fluid_seconds: f64,
-    pub chemistry_seconds: f64,
-    pub flow: FlowTally,
-    pub particle_steps: u64,
-    pub pair_evaluations: u64,
+}
+
+/// A course between two chemistry steps: intervals and steps of the current one behind it.
+#[derive(Deserialize)]
+struct Saved<const D: usize> {
+    interval: usize,
+    ticks: u64,
+    scene: scene::Image<'static, D>,
+    members: Vec<Image>,
+    course: CourseShare,
+}
+
+/// A [`Saved`] on its way out.
+#[derive(Serialize)]
+struct Saving<'a, const D: usize> {
+    interval: usize,
+    ticks: u64,
+    scene: scene::Image<'a, D>,
+    members: Images<'a>,
+    course: CourseShare,
+}
+
+/// Images of realizations, made one at a time.
+struct Images<'a>(&'a [Realization]);
+
+impl Serialize for Images<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.iter().map(Realization::image))
+    }
 }
 
 impl<const D: usize> Course<'_, '_, D> {
-    /// Takes `members` through all output times: half a step of chemistry, the motion, the other half. What lifts the
-    /// fluid is the state of the first member between the halves; where members differ each has its own course.
-    pub fn follow(mut self, members: &mut Vec<Realization>, watch: &Watch) -> Travelled {
-        let (plan, species) = (self.plan, self.plan.reactor.species.len());
-        let mut reservoirs = Reservoirs::new(plan, &self.scene);
+    /// Takes realizations through all output times: half a step of chemistry, the motion, the other half. What lifts
+    /// the fluid is the state of the first member between the halves; where members differ each has its own course.
+    /// `prepared` seconds were spent on the flow before.
+    pub fn follow(
+        mut self,
+        name: &str,
+        begin: impl FnOnce() -> Vec<Realization>,
+        prepared: f64,
+    ) -> Result<Travelled, RunError> {
         let mut way = Travelled::default();
-        'time: for interval in self.clock {
+        way.course.fluid_seconds = prepared;
+        let from = match self.keep.saved(name)? {
+            Some(state) => self.take_up(decode(&state, name)?, &mut way).ok_or_else(|| foreign(name))?,
+            None => {
+                way.crew.members = begin();
+                (0, 0)
+            }
+        };
+        let mut frozen = freeze(self.plan, &self.scene, self.start)?;
+        let mut reservoirs = Reservoirs::new(self.plan, &self.scene);
+        let (patience, mut saved_at) = (self.keep.patience(), Instant::now());
+        let piece = (TOGETHER / way.crew.members.len().max(1)).clamp(1 << 10, PIECE);
+        for (i, interval) in self.clock.iter().enumerate().skip(from.0) {
             let tick = interval.tick();
-            for k in 0..interval.ticks {
-                if watch.stopped() {
+            let first = if i == from.0 { from.1 } else { 0 };
+            for k in first..interval.ticks {
+                let stop = self.watch.stopped();
+                let due = patience.is_some_and(|patience| stop || saved_at.elapsed() > patience);
+                // What has just begun is begun again as fast as it is taken up.
+                if due && (i, k) > from {
+                    self.save(name, (i, k), &way)?;
+                    saved_at = Instant::now();
+                }
+                if stop {
                     way.interrupted = true;
-                    break 'time;
+                    return Ok(way);
                 }
                 let (time, half) = (interval.time(k), 0.5 * tick);
                 let chemistry = Instant::now();
-                let before =
-                    Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: self.start };
-                advance(members, &mut way.error, |one| one.before_motion(&before, time, half));
-                if let Some(first) = members.first().filter(|_| !self.scene.plan.lifts.is_empty()) {
-                    self.scene.lift(&first.state.amounts, species);
+                let (plan, start) = (self.plan, self.start);
+                let before = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
+                way.crew.advance(|one| one.before_motion(&before, time, half));
+                if let Some(first) = way.crew.members.first().filter(|_| !self.scene.plan.lifts.is_empty()) {
+                    self.scene.lift(&first.state.amounts, plan.reactor.species.len());
                 }
                 let fluid = Instant::now();
-                way.chemistry_seconds += (fluid - chemistry).as_secs_f64();
+                way.course.chemistry_seconds += (fluid - chemistry).as_secs_f64();
                 let moved = self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps);
                 let chemistry = Instant::now();
-                way.fluid_seconds += (chemistry - fluid).as_secs_f64();
-                match moved.and_then(|()| freeze(plan, &self.scene, self.start)) {
-                    Ok(frozen) => self.frozen = frozen,
+                way.course.fluid_seconds += (chemistry - fluid).as_secs_f64();
+                match moved.and_then(|()| freeze(plan, &self.scene, start)) {
+                    Ok(found) => frozen = found,
                     Err(found) => {
                         // The flow carries them all.
-                        way.error = way.error.or(Some(found));
-                        break 'time;
+                        way.crew.error.get_or_insert(found);
+                        self.book(&mut way.course);
+                        return Ok(way);
                     }
                 }
                 reservoirs = Reservoirs::new(plan, &self.scene);
-                let after =
-                    Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: self.start };
+                let after = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
                 let exchange = Exchange::new(plan, &self.scene);
-                advance(members, &mut way.error, |one| {
+                way.crew.advance(|one| {
                     one.cross(plan, &exchange);
                     one.after_motion(&after, time + half, half)
                 });
-                way.chemistry_seconds += chemistry.elapsed().as_secs_f64();
-                if members.is_empty() {
-                    break 'time;
+                way.course.chemistry_seconds += chemistry.elapsed().as_secs_f64();
+                if way.crew.members.is_empty() {
+                    self.book(&mut way.course);
+                    return Ok(way);
                 }
-                watch.advance(1);
+                self.watch.advance(1);
             }
-            let lens = Lens::new(plan, &self.scene);
-            members.par_iter_mut().for_each(|one| {
+            let lens = Lens::new(self.plan, &self.scene);
+            let look = |one: &mut Realization| {
                 lens.look(&one.state.amounts, interval.end, self.shared, &mut one.observed);
-            });
-            way.times += 1;
+                hand_over(&mut one.observed, self.keep, piece)
+            };
+            way.crew.members.par_iter_mut().try_for_each(look)?;
         }
-        self.book(&mut way);
-        way
+        self.book(&mut way.course);
+        way.arrived = true;
+        Ok(way)
+    }
+
+    /// Keeps the state between two steps.
+    fn save(&mut self, name: &str, (interval, ticks): (usize, u64), way: &Travelled) -> Result<(), RunError> {
+        let mut course = way.course.clone();
+        self.book(&mut course);
+        let members = Images(&way.crew.members);
+        let state = Saving { interval, ticks, scene: self.scene.image(), members, course };
+        save(self.keep, name, &state)
+    }
+
+    /// Goes back to a state; intervals and steps behind it. `None` if it belongs to another plan.
+    fn take_up(&mut self, saved: Saved<D>, way: &mut Travelled) -> Option<(usize, u64)> {
+        self.scene.restore(saved.scene)?;
+        for image in saved.members {
+            way.crew.members.push(Realization::restore(self.plan, image)?);
+        }
+        let prepared = way.course.fluid_seconds;
+        way.course = saved.course;
+        way.course.fluid_seconds += prepared;
+        Some((saved.interval, saved.ticks))
     }
 
     /// What the flow says of itself.
-    fn book(&self, way: &mut Travelled) {
+    fn book(&self, course: &mut CourseShare) {
         let Some(flow) = &self.scene.flow else { return };
-        way.particle_steps = flow.particle_steps();
-        way.pair_evaluations = flow.pair_evaluations();
+        course.particle_steps = flow.particle_steps();
+        course.pair_evaluations = flow.pair_evaluations();
         let health = flow.health();
-        way.flow = FlowTally {
+        course.flow = FlowTally {
             momentum_drift: self.scene.momentum_drift(),
             penetrations: health.penetrations,
             bounces: health.bounces,
@@ -115,20 +201,19 @@ impl<const D: usize> Course<'_, '_, D> {
     }
 }
 
-/// Takes every realization a part of a step on; one that fails is left behind, and the first failure is told.
-fn advance(
-    members: &mut Vec<Realization>,
-    error: &mut Option<RunError>,
-    part: impl Fn(&mut Realization) -> Result<(), RunError> + Sync + Send,
-) {
-    let part = |one: &mut Realization| part(one).map_err(|error| error.of(one.observed.series.realization));
-    let results: Vec<Result<(), RunError>> = members.par_iter_mut().map(part).collect();
-    let mut results = results.into_iter();
-    members.retain(|_| match results.next() {
-        Some(Err(found)) => {
-            error.get_or_insert(found);
-            false
-        }
-        _ => true,
-    });
+impl Crew {
+    /// Takes every realization a part of a step on; one that fails is left behind, and the first failure is told.
+    fn advance(&mut self, part: impl Fn(&mut Realization) -> Result<(), RunError> + Sync + Send) {
+        let part =
+            |one: &mut Realization| part(one).map_err(|error| error.of(one.observed.series.realization));
+        let results: Vec<Result<(), RunError>> = self.members.par_iter_mut().map(part).collect();
+        let mut results = results.into_iter();
+        self.members.retain(|_| match results.next() {
+            Some(Err(found)) => {
+                self.error.get_or_insert(found);
+                false
+            }
+            _ => true,
+        });
+    }
 }

@@ -1,19 +1,16 @@
-//! A block of realizations from plan to results: who runs, what is kept, what the record says.
+//! What the record of a run says before it runs: model, domain, species, reactions, conditions, probes.
 
+use super::states::FORMAT;
 use crate::chemistry::words;
-use crate::error::RunError;
 use crate::model::{Boundary, Domain, Material, Model, ProbeShape};
 use crate::plan::chemistry::receptor_pairs;
 use crate::plan::{Arena, Plan};
 use crate::record::{
-    ConservationRecord, DomainRecord, GroupRecord, Health, HistogramRecord, Performance, ProbeRecord,
-    ReactionRecord, RunRecord, SpeciesRecord, StepsRecord,
+    DomainRecord, GroupRecord, Health, HistogramRecord, Performance, ProbeRecord, ReactionRecord, RunRecord,
+    SpeciesRecord, StepsRecord,
 };
-use crate::results::Results;
 use crate::sampling::{self, probe::occupancy_name};
-use crate::simulation::{Outcome, Tally};
-use crate::tables::{Columns, SeriesBlock};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// The record of a block before it runs.
@@ -24,6 +21,7 @@ pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usiz
     RunRecord {
         program: "gillesph".into(),
         version: env!("CARGO_PKG_VERSION").into(),
+        format: FORMAT,
         status: "running".into(),
         error: None,
         name: model.name.clone(),
@@ -71,167 +69,6 @@ pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usiz
         health: Health::default(),
         performance: Performance { threads, ..Performance::default() },
     }
-}
-
-/// Results without any realization yet.
-#[must_use]
-pub fn empty(plan: &Plan, record: RunRecord) -> Results {
-    Results {
-        record,
-        times: plan.model.output.times.clone(),
-        columns: sampling::columns(plan),
-        blocks: Vec::new(),
-        probes: Vec::new(),
-        covariance: plan.model.output.covariance,
-    }
-}
-
-/// Puts what a block came to into its record: status, checks, costs. The blocks are already in the results.
-pub fn conclude(
-    plan: &Plan,
-    results: &mut Results,
-    tally: &Tally,
-    error: Option<&RunError>,
-    interrupted: bool,
-) {
-    let record = &mut results.record;
-    record.status = match (error, interrupted) {
-        (Some(_), _) => "failed",
-        (None, true) => "interrupted",
-        (None, false) => "finished",
-    }
-    .into();
-    record.error = error.map(ToString::to_string);
-    let whole = results.times.len() == record.times.len();
-    record.finished = if whole { results.blocks.len() as u32 } else { 0 };
-    record.steps = tally.steps.clone();
-    let earlier = std::mem::replace(&mut record.hybrid, tally.hybrid.clone());
-    for (own, other) in record.hybrid.iter_mut().zip(&earlier) {
-        own.absorb(other);
-    }
-    // Realizations of an interrupted run that were taken up count as well.
-    let earlier = std::mem::take(&mut record.health);
-    let earlier_flow = earlier.clone();
-    let mut supplied: BTreeMap<String, f64> = plan
-        .reactor
-        .species
-        .iter()
-        .cloned()
-        .zip(tally.supplied.iter().copied())
-        .filter(|(_, n)| *n != 0.0)
-        .collect();
-    for (species, molecules) in earlier.molecules_supplied {
-        *supplied.entry(species).or_default() += molecules;
-    }
-    let conservation = conservation(plan, &results.columns, &results.blocks, &supplied);
-    let flow = tally.flow.as_ref();
-    record.health = Health {
-        molecules_created_or_lost: earlier.molecules_created_or_lost + tally.lost,
-        molecules_supplied: supplied,
-        conservation,
-        momentum_drift: flow.and_then(|f| f.momentum_drift),
-        penetrations: flow.map(|f| f.penetrations),
-        bounces: flow.map(|f| f.bounces),
-        largest_mach: flow.map(|f| f.largest_mach),
-        largest_density_change: flow.map(|f| f.largest_density_change),
-        warnings: joined(
-            earlier.warnings,
-            plan.warnings.iter().map(|warning| warning.line()).chain(tally.warnings()).collect(),
-        ),
-    };
-    record.health.absorb_flow(&earlier_flow, record.steps.shared_flow);
-    let performance = &mut record.performance;
-    performance.particle_steps += tally.particle_steps;
-    performance.pair_evaluations += tally.pair_evaluations;
-    performance.fluid_seconds += tally.fluid_seconds;
-    performance.reaction_events += tally.reaction_events;
-    performance.hops += tally.hops;
-    performance.chemistry_seconds += tally.chemistry_seconds;
-}
-
-/// Warnings of both, each once.
-fn joined(mut earlier: Vec<String>, now: Vec<String>) -> Vec<String> {
-    for warning in now {
-        if !earlier.contains(&warning) {
-            earlier.push(warning);
-        }
-    }
-    earlier
-}
-
-/// Takes an outcome into results that may hold earlier realizations; cuts the output times to those seen.
-pub fn keep(
-    results: &mut Results,
-    dir: &std::path::Path,
-    outcome: &mut Outcome,
-    vtk: bool,
-) -> Result<(), RunError> {
-    results.times.truncate(outcome.times);
-    results.add(dir, std::mem::take(&mut outcome.observed), vtk)
-}
-
-/// How far each conserved sum strays within a realization.
-fn conservation(
-    plan: &Plan,
-    columns: &Columns,
-    blocks: &[SeriesBlock],
-    supplied: &BTreeMap<String, f64>,
-) -> Vec<ConservationRecord> {
-    let width = columns.len();
-    let held: BTreeSet<usize> = held_species(plan);
-    plan.conservation_laws()
-        .into_iter()
-        .map(|(sum, coefficients)| {
-            let members: Vec<(usize, f64)> = coefficients
-                .iter()
-                .enumerate()
-                .filter(|(_, c)| **c != 0.0)
-                .filter_map(|(s, &c)| columns.find("all", &plan.reactor.species[s]).map(|column| (column, c)))
-                .collect();
-            let value = |row: &[f64]| -> f64 { members.iter().map(|&(column, c)| c * row[column]).sum() };
-            let mut largest = 0.0_f64;
-            for block in blocks {
-                let mut rows = block.amount.chunks_exact(width).map(value);
-                if let Some(first) = rows.next() {
-                    largest = rows.fold(largest, |largest, now| largest.max((now - first).abs()));
-                }
-            }
-            let open: Vec<&str> = coefficients
-                .iter()
-                .enumerate()
-                .filter(|(s, c)| {
-                    **c != 0.0 && (held.contains(s) || supplied.contains_key(&plan.reactor.species[*s]))
-                })
-                .map(|(s, _)| plan.reactor.species[s].as_str())
-                .collect();
-            ConservationRecord {
-                sum,
-                start: blocks.first().and_then(|b| b.amount.get(..width)).map_or(0.0, value),
-                largest_deviation: largest,
-                exempt: if open.is_empty() {
-                    String::new()
-                } else {
-                    format!("reservoirs supply {}", open.join(", "))
-                },
-            }
-        })
-        .collect()
-}
-
-/// Species that some condition supplies.
-fn held_species(plan: &Plan) -> BTreeSet<usize> {
-    use crate::model::conditions::What;
-    let Domain::Particles(domain) = &plan.model.domain else { return BTreeSet::new() };
-    domain
-        .conditions
-        .iter()
-        .flat_map(|condition| match &condition.what {
-            What::Sponge { species, .. } | What::Held { species, .. } => {
-                species.iter().map(|(s, _)| *s).collect()
-            }
-            _ => Vec::new(),
-        })
-        .collect()
 }
 
 fn domain(plan: &Plan) -> DomainRecord {

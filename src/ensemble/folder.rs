@@ -1,0 +1,166 @@
+//! The folder of a run: who may write into it, what an earlier run left there, what has changed since.
+
+use crate::error::{Fault, ModelError, RunError};
+use crate::model::changes::differences;
+use crate::record::RunRecord;
+use crate::tables;
+use std::fs::{File, TryLockError};
+use std::path::Path;
+
+/// What an earlier run left.
+pub enum Earlier {
+    Nothing,
+    /// Its record; what it has seen lies in its folder `checkpoint`.
+    Interrupted(Box<RunRecord>),
+}
+
+/// What is to become of an earlier run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Claim {
+    pub resume: bool,
+    pub force: bool,
+}
+
+/// The right to write into a folder, as long as this is kept.
+pub struct Held {
+    _lock: File,
+}
+
+/// Looks at the folder to write: refuses one that is in use or holds a finished run.
+///
+/// # Errors
+/// Why it cannot be used.
+pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
+    let shown = dir.display();
+    let fault = |reason: String, remedy: &str| Err(ModelError::from(Fault::general(reason, remedy)));
+    if dir.exists() && !dir.is_dir() {
+        return fault(format!("{shown} is not a folder"), "name another one with --out");
+    }
+    let empty = !dir.exists() || dir.read_dir().is_ok_and(|mut entries| entries.next().is_none());
+    if empty {
+        if claim.resume {
+            return fault(format!("{shown} holds no run to resume"), "leave out --resume");
+        }
+        return Ok(Earlier::Nothing);
+    }
+    let record = match tables::read_record(dir) {
+        Ok(record) => record,
+        Err(error) => {
+            let reason = if dir.join("run.json").exists() {
+                format!("{shown} holds a run that cannot be read: {error}")
+            } else {
+                format!("{shown} is not empty and holds no run of this program")
+            };
+            return fault(reason, "name another folder with --out");
+        }
+    };
+    if claim.force {
+        return Ok(Earlier::Nothing);
+    }
+    if record.status == "finished" {
+        return fault(
+            format!("{shown} already holds a finished run"),
+            "name another folder with --out, or replace it with --force",
+        );
+    }
+    if !claim.resume {
+        let state = match record.status.as_str() {
+            "running" => "is still going on, or was cut off",
+            "failed" => "failed",
+            _ => "was interrupted",
+        };
+        let reason = format!("{shown} holds a run that {state} ({} realizations finished)", record.finished);
+        return fault(reason, "finish it with --resume, or replace it with --force");
+    }
+    Ok(Earlier::Interrupted(Box::new(record)))
+}
+
+/// Claims a folder for a run of this record: clears what is replaced, checks that what is resumed is the same run.
+///
+/// # Errors
+/// Why it cannot be used: another process writes there, what has changed since the run was interrupted, a folder that
+/// cannot be written.
+pub fn claim(dir: &Path, record: &RunRecord, earlier: &Earlier) -> Result<Held, ModelError> {
+    let unusable = |error: String| Fault::general(error, "name another folder with --out");
+    let folder = dir.join("checkpoint");
+    std::fs::create_dir_all(&folder).map_err(|e| unusable(format!("{}: {e}", folder.display())))?;
+    let path = folder.join("lock");
+    let lock = File::create(&path).map_err(|e| unusable(format!("{}: {e}", path.display())))?;
+    match lock.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            return Err(Fault::general(
+                format!("{}: another process is writing into this folder", dir.display()),
+                "wait for it, or name another folder with --out",
+            )
+            .into());
+        }
+        // A file system without locks: one has to trust the user.
+        Err(TryLockError::Error(_)) => {}
+    }
+    match earlier {
+        Earlier::Nothing => clear(dir).map_err(|error| unusable(error.to_string()))?,
+        Earlier::Interrupted(then) => same_run(dir, record, then)?,
+    }
+    Ok(Held { _lock: lock })
+}
+
+/// Whether an interrupted run is one of the same record.
+fn same_run(dir: &Path, now: &RunRecord, then: &RunRecord) -> Result<(), ModelError> {
+    let mut faults = Vec::new();
+    let remedy = "resume with what the run was started with, or start anew with --force";
+    let shown = dir.display();
+    let mut changed = |what: String| {
+        faults.push(Fault::general(format!("{shown}: {what} since the run was interrupted"), remedy));
+    };
+    if now.model.hash != then.model.hash {
+        let found = differences(&then.model, &now.model);
+        if found.is_empty() {
+            changed("the text of the model (not its values) has changed".into());
+        }
+        found.into_iter().for_each(&mut changed);
+    }
+    if now.seed != then.seed {
+        changed(format!("the seed has changed from {} to {}", then.seed, now.seed));
+    }
+    if now.realizations != then.realizations {
+        let ([a, b], [c, d]) = (then.realizations, now.realizations);
+        changed(format!("the block of realizations has changed from {a}..{b} to {c}..{d}"));
+    }
+    if then.format != now.format {
+        let ((a, b), (c, d)) = ((then.format, &then.version), (now.format, &now.version));
+        changed(format!(
+            "the format of what is kept has changed from {a} (program {b}) to {c} (program {d})"
+        ));
+    }
+    if faults.is_empty() { Ok(()) } else { Err(ModelError { faults }) }
+}
+
+/// Removes what an earlier run left in a folder, and nothing else; the lock stays.
+fn clear(dir: &Path) -> Result<(), RunError> {
+    let remove = |path: &Path| -> Result<(), RunError> {
+        let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+        match removed {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(RunError::File { path: path.display().to_string(), reason: error.to_string() })
+            }
+            _ => Ok(()),
+        }
+    };
+    for name in ["run.json", "report.html", "tables", "figures", "vtk"] {
+        remove(&dir.join(name))?;
+    }
+    let folder = dir.join("checkpoint");
+    for entry in folder.read_dir().into_iter().flatten().flatten().filter(|e| e.file_name() != "lock") {
+        remove(&entry.path())?;
+    }
+    std::fs::create_dir_all(dir.join("tables"))
+        .map_err(|error| RunError::File { path: dir.display().to_string(), reason: error.to_string() })
+}
+
+/// Removes the folder `checkpoint` of a finished run.
+pub fn release(dir: &Path, held: Held) {
+    // What cannot be removed harms nobody.
+    let _ = std::fs::remove_dir_all(dir.join("checkpoint"));
+    drop(held);
+}

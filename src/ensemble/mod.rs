@@ -1,0 +1,160 @@
+//! Many realizations from plan to tables: who runs, what is kept, what the record says.
+//!
+//! While a run goes on, what its realizations have shown is appended to a journal below `checkpoint/` and states of what
+//! takes long are kept beside it; tables are written from the journal at the end, in order of realization. A run that
+//! was killed at any moment is taken up from there, and its tables come out the same to the byte.
+
+mod assemble;
+mod blocks;
+mod books;
+mod desk;
+mod folder;
+mod journal;
+mod memory;
+mod record;
+mod states;
+
+pub use assemble::EXACT_UP_TO;
+pub use blocks::NotJoined;
+pub use blocks::merge;
+pub use folder::{Claim, Earlier, claim, look, release};
+pub use memory::{Results, in_memory};
+pub use record::{conditions, record};
+pub use states::FORMAT;
+
+use crate::error::RunError;
+use crate::plan::Plan;
+use crate::record::RunRecord;
+use crate::sampling;
+use crate::simulation::{Finish, Piece, Ready, Share, Tally, Watch};
+use crate::tables;
+use assemble::{Source, Wanted, assemble};
+use books::Books;
+use desk::Desk;
+use journal::Reader;
+use std::path::Path;
+
+/// What a run came to; its tables are written.
+pub struct Concluded {
+    pub record: RunRecord,
+    /// What stopped it, if the numbers or the disk did.
+    pub error: Option<RunError>,
+    /// Realizations and output times in the tables.
+    pub realizations: usize,
+    pub times: usize,
+}
+
+/// Runs the realizations of a record's block that are not finished yet, and writes the tables below `dir`, whose folder
+/// was claimed.
+///
+/// # Errors
+/// What cannot be written or read; what is finished stays in the journal.
+pub fn run(
+    plan: &Plan,
+    ready: &Ready,
+    mut record: RunRecord,
+    dir: &Path,
+    watch: &Watch,
+) -> Result<Concluded, RunError> {
+    let output = &plan.model.output;
+    let [from, to] = record.realizations;
+    tables::write_record(dir, &record)?;
+    let frames = output.vtk.then(|| {
+        let asked = output.particles.iter().flat_map(|(times, _)| times);
+        let mut times: Vec<f64> = asked.copied().filter(|time| output.times.contains(time)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    });
+    let species = plan.reactor.species.clone();
+    let desk = Desk::new(dir, &record.model.hash, plan.model.run.checkpoint_every, species, frames)?;
+    let finish = ready.run_into(&desk.unfinished(from..to), watch, &desk);
+    watch.end();
+    let (notes, reader) = desk.close()?;
+    record.health.warnings = notes;
+    conclude(plan, ready, record, dir, reader, finish)
+}
+
+/// Realizations of a run that are finished so far, also while it goes on.
+#[must_use]
+pub fn finished_so_far(dir: &Path) -> usize {
+    journal::finished(&dir.join("checkpoint/journal"))
+}
+
+/// Writes tables and record of what a journal holds.
+fn conclude(
+    plan: &Plan,
+    ready: &Ready,
+    mut record: RunRecord,
+    dir: &Path,
+    reader: Reader,
+    finish: Finish,
+) -> Result<Concluded, RunError> {
+    let mut tally = Tally::new(ready.steps(), plan.reactor.species.len());
+    tally.fluid_seconds = ready.settling_seconds();
+    reader.index().courses.iter().for_each(|course| tally.take_course(course));
+    let finished = reader.index().finished.len();
+    let mut told = Told::new(reader, plan.model.output.times.len())?;
+    let (columns, times) = (sampling::columns(plan), &plan.model.output.times[..told.times]);
+    let wanted = Wanted {
+        times,
+        columns: &columns,
+        covariance: plan.model.output.covariance,
+        histograms: &record.histograms,
+        probes: !plan.model.output.probes.is_empty(),
+    };
+    let mut books = Books::new(plan, tally);
+    assemble(&mut told, dir, &wanted, Some(&mut books))?;
+    let error = finish.error;
+    books.conclude(plan, &mut record, finished, error.as_ref(), finish.interrupted);
+    let realizations = told.numbers.len();
+    Ok(Concluded { record, error, realizations, times: times.len() })
+}
+
+/// The realizations of a journal that are told of: those that are finished, or as long as none is all there are, as
+/// far as they came together.
+struct Told {
+    reader: Reader,
+    numbers: Vec<u32>,
+    times: usize,
+}
+
+impl Told {
+    fn new(mut reader: Reader, all: usize) -> Result<Told, RunError> {
+        let finished: Vec<u32> = reader.index().finished.iter().copied().collect();
+        if !finished.is_empty() {
+            return Ok(Told { reader, numbers: finished, times: all });
+        }
+        let numbers = reader.realizations();
+        let mut times = if numbers.is_empty() { 0 } else { all };
+        for &number in &numbers {
+            let mut shown = 0;
+            reader.realization(number, &mut |piece| {
+                shown = (piece.first + piece.outputs) as usize;
+                Ok(())
+            })?;
+            times = times.min(shown);
+        }
+        Ok(Told { reader, numbers, times })
+    }
+}
+
+impl Source for Told {
+    fn realizations(&self) -> Vec<u32> {
+        self.numbers.clone()
+    }
+
+    fn realization(
+        &mut self,
+        number: u32,
+        see: &mut dyn FnMut(&Piece) -> Result<(), RunError>,
+    ) -> Result<Option<Share>, RunError> {
+        let times = self.times as u32;
+        self.reader.realization(number, &mut |piece| {
+            if piece.first >= times {
+                return Ok(());
+            }
+            if piece.first + piece.outputs <= times { see(piece) } else { see(&piece.until(times)) }
+        })
+    }
+}
