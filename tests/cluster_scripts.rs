@@ -75,6 +75,8 @@ fn scripts_are_sound() {
         "#SBATCH --requeue",
         "#SBATCH --open-mode=append",
         "\"$gillesph\" cluster block . \"$block\" --threads 2 &",
+        // By the job's own number it could be the whole array.
+        "        scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$block\" && sleep 60",
     ] {
         assert!(text(&scripts[0]).contains(&format!("\n{line}\n")), "{line}");
     }

@@ -81,7 +81,12 @@ fn a_killed_task_alone_runs_again_and_the_tables_are_those_of_one_run() {
 
     slurm.until_empty();
     let status = slurm.say(env!("CARGO_BIN_EXE_gillesph"), &["cluster", "status", shown]);
-    assert!(status.contains("2 finished, 1 running"), "{status}\n{}", log(&cluster, "block-0002.log"));
+    assert!(
+        status.contains("2 finished, 1 running"),
+        "{status}\n{}\n{}",
+        log(&cluster, "block-0001.log"),
+        log(&cluster, "block-0002.log")
+    );
     assert!(!out.join("run.json").exists(), "blocks were joined before all were finished");
     let requeued = log(&cluster, "block-0002.log");
     for words in ["start 1,", "back to the queue", "start 2,", "--resume", "exit status 0"] {

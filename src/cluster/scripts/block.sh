@@ -34,8 +34,8 @@ done
 if [[ $limit == yes && $status -eq 130 ]]; then
     if [[ ${SLURM_RESTART_COUNT:-0} -lt ${GILLESPH_RESTARTS:-100} ]]; then
         echo "block $block: the time limit is near; back to the queue"
-        # This ends the job.
-        scontrol requeue "$SLURM_JOB_ID" && sleep 60
+        # This ends the job. One task of an array has the number of the array as its own: number and task it must be.
+        scontrol requeue "${SLURM_ARRAY_JOB_ID}_$block" && sleep 60
     else
         echo "block $block: given up after ${SLURM_RESTART_COUNT:-0} starts; allow more with GILLESPH_RESTARTS" >&2
     fi
