@@ -6,7 +6,7 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use gillesph::fluid::{Body, BodyKind, Domain, Flow, KernelKind, Method, Motion, Noise, Options, Placed};
+use gillesph::fluid::{Body, BodyKind, Domain, Flow, Method, Motion, Noise, Options, Placed};
 use gillesph::fluid::{Setup, Slip};
 use gillesph::random::mix;
 use gillesph::vector::Vector;
@@ -42,7 +42,6 @@ fn bath<const D: usize>(n: usize, method: Method, noise: bool, walls: bool) -> F
     let wall = BodyKind::Solid { slip: Slip::NoSlip, motion: Motion::Still, surface: None };
     let setup = Setup {
         domain,
-        kernel: KernelKind::Lucy,
         // 20 and, in 3D, about 29 neighbours.
         cutoff: if D == 3 { 2.0 } else { 2.5 },
         spacing: 1.0,
@@ -51,19 +50,13 @@ fn bath<const D: usize>(n: usize, method: Method, noise: bool, walls: bool) -> F
             Body { name: "fluid".to_owned(), kind: BodyKind::Fluid { density: 1.0, viscosity: 0.5 } },
             Body { name: "wall".to_owned(), kind: wall },
         ],
-        reference_speed: 1.0,
         reference_length: length,
         sound_speed: Some(10.0),
-        pressure_scale: None,
-        body_force: Vector::zeros(),
-        sponges: Vec::new(),
-        initial_velocity: Vector::zeros(),
         method,
-        friction: Default::default(),
-        state: Default::default(),
         noise: noise.then_some(Noise { energy: 0.01, seed: 1, realization: 0 }),
         // The shift of a flow at reference speed one would stir a bath that is a hundred times slower.
         options: Options { shift: Some(2.0), ..Options::default() },
+        ..Setup::default()
     };
     let mut flow = Flow::new(setup).expect("a sound setup");
     let seed = std::cell::Cell::new(1_u64);

@@ -255,6 +255,7 @@ mod tests {
         assert!(Quantity::parse("5 Mol").unwrap_err().remedy.contains("\"mol\""));
         assert!(Quantity::parse("5 sec").unwrap().dimension == Dimension::TIME);
         assert!(Quantity::parse("5 umm").unwrap_err().remedy.contains("\"um\""));
+        assert!(Quantity::parse("27 C").unwrap_err().remedy.contains("\"degC\""));
     }
 
     proptest::proptest! {

@@ -55,7 +55,13 @@ pub struct RunRecord {
     pub probes: Vec<ProbeRecord>,
     /// Distributions asked for.
     pub histograms: Vec<HistogramRecord>,
+    /// What flows, if anything does.
+    #[serde(default)]
+    pub fluid: Option<FluidRecord>,
     pub steps: StepsRecord,
+    /// If the run went on until a number was known well enough.
+    #[serde(default)]
+    pub precision: Option<PrecisionRecord>,
     /// Where hybrid species were carried how.
     #[serde(default)]
     pub hybrid: Vec<HybridRecord>,
@@ -158,12 +164,97 @@ pub struct StepsRecord {
     pub splitting_error: Option<f64>,
 }
 
+/// How well a mean is known.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PrecisionRecord {
+    /// E.g. `RL in membrane at 0.8 s`.
+    pub quantity: String,
+    /// Molecules.
+    pub mean: f64,
+    /// Half the width of the confidence interval of the mean, molecules.
+    pub half_width: f64,
+    pub confidence: f64,
+    /// Half width over mean that was asked for.
+    pub asked: f64,
+    pub reached: bool,
+    /// Realizations at each look at the interval.
+    pub looks: Vec<u32>,
+}
+
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepRecord {
     /// s.
     pub step: f64,
     pub count: u64,
     pub limited_by: String,
+}
+
+/// A fluid and the numbers that go with it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FluidRecord {
+    /// By name: `sph_bvf`, `sdpd` or `sph`.
+    pub method: String,
+    /// kg/m³.
+    pub density: f64,
+    /// Pa s.
+    pub viscosity: f64,
+    /// c0, m/s.
+    pub sound_speed: f64,
+    /// Largest speed to be expected, m/s.
+    pub speed: f64,
+    /// What is so fast, in words.
+    pub speed_of: String,
+    /// Width of the flow, m.
+    pub length: f64,
+    /// What is so wide, in words.
+    pub length_of: String,
+    /// `speed / sound_speed`.
+    pub mach: f64,
+    /// `density * speed * length / viscosity`.
+    pub reynolds: f64,
+    pub noise: Option<NoiseRecord>,
+}
+
+/// Thermal noise as asked for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NoiseRecord {
+    /// K.
+    pub temperature: f64,
+    /// kT, J.
+    pub energy: f64,
+    /// √(kT/m) of a particle: deviation of one component of its velocity, m/s.
+    pub thermal_speed: f64,
+    /// Form of friction and noise: `morris` or `espanol_revenga`.
+    pub friction: String,
+}
+
+/// A temperature as measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TemperatureRecord {
+    /// K, mean over the output times of the second half of the run, and over realizations.
+    pub mean: f64,
+    /// Number of times, all realizations together.
+    pub looks: u64,
+}
+
+impl TemperatureRecord {
+    /// Takes in one more measurement, K.
+    pub fn look(&mut self, temperature: f64) {
+        self.looks += 1;
+        self.mean += (temperature - self.mean) / self.looks as f64;
+    }
+
+    /// Takes in what was measured elsewhere.
+    pub fn join(own: &mut Option<TemperatureRecord>, other: Option<TemperatureRecord>) {
+        *own = match (*own, other) {
+            (Some(a), Some(b)) => {
+                let looks = a.looks + b.looks;
+                let sum = a.mean * a.looks as f64 + b.mean * b.looks as f64;
+                Some(TemperatureRecord { mean: sum / looks.max(1) as f64, looks })
+            }
+            (a, b) => a.or(b),
+        };
+    }
 }
 
 /// A hybrid species in a group.
@@ -210,6 +301,9 @@ pub struct Health {
     pub largest_mach: Option<f64>,
     /// Largest |density / rest density - 1| of a fluid particle.
     pub largest_density_change: Option<f64>,
+    /// With thermal noise.
+    #[serde(default)]
+    pub temperature: Option<TemperatureRecord>,
     pub warnings: Vec<String>,
 }
 
@@ -290,6 +384,8 @@ impl Health {
         larger(&mut self.momentum_drift, next.momentum_drift);
         larger(&mut self.largest_mach, next.largest_mach);
         larger(&mut self.largest_density_change, next.largest_density_change);
+        // A flow with noise is never shared.
+        TemperatureRecord::join(&mut self.temperature, next.temperature);
         for (own, other) in [(&mut self.penetrations, next.penetrations), (&mut self.bounces, next.bounces)] {
             // Every block runs a shared flow as a whole: what it counts is the same, not a sum.
             *own = match (*own, other) {

@@ -1,13 +1,15 @@
 //! Particles as they are at an instant: what the chemistry and the observers see of geometry and flow.
 
-use crate::chemistry::{AVOGADRO, GroupSet, Links};
+use crate::chemistry::{AVOGADRO, GroupSet};
 use crate::error::RunError;
+use crate::fluid::exchange::{Exchange, exchange};
 use crate::fluid::open::Presence;
-use crate::fluid::surface::{Facing, Surface, facing};
-use crate::fluid::{self, BodyKind, Flow, Setup, Snapshot, Voxels, exchange};
+use crate::fluid::surface::{Facing, side};
+use crate::fluid::{self, BodyKind, Flow, Setup, Snapshot, Voxels};
 use crate::geometry::shape::embed;
 use crate::model::conditions::WallName;
 use crate::plan::ParticlePlan;
+use crate::plan::particles::BOLTZMANN;
 use crate::plan::start::Voxels as Places;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
@@ -139,8 +141,9 @@ impl<'p, const D: usize> Scene<'p, D> {
             _ => return None,
         }
         self.momentum = image.momentum;
-        self.presence = image.presence;
         self.look();
+        // Who was there at the last look; it may have been before the last steps of the flow.
+        self.presence = image.presence;
         Some(())
     }
 
@@ -202,15 +205,31 @@ impl<'p, const D: usize> Scene<'p, D> {
         self.presence = now;
     }
 
-    /// Moves the flow by `steps` steps of `dt` seconds and looks again.
-    pub fn advance(&mut self, dt: f64, steps: u64) -> Result<(), RunError> {
+    /// Moves the flow by `steps` steps of `dt` seconds, or until `stop` says so; the number of steps taken. Only after
+    /// all of them it is looked at again.
+    pub fn advance(
+        &mut self,
+        dt: f64,
+        steps: u64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<u64, RunError> {
         self.book_momentum(0.0);
+        let mut taken = steps;
         if let Some(flow) = &mut self.flow {
-            flow.advance(dt, steps)?;
-            self.look();
+            taken = flow.advance_until(dt, steps, stop)?;
+            if taken == steps {
+                self.look();
+            }
         }
-        self.book_momentum(dt * steps as f64);
-        Ok(())
+        self.book_momentum(dt * taken as f64);
+        Ok(taken)
+    }
+
+    /// Temperature by the velocities of now, K; none without thermal noise.
+    #[must_use]
+    pub fn temperature(&self) -> Option<f64> {
+        self.plan.flow.as_ref()?.noise?;
+        Some(self.flow.as_ref()?.thermal_energy()? * self.plan.thickness / BOLTZMANN)
     }
 
     /// Lets the amounts of a realization (molecules, voxel by voxel of `species`) lift the fluid from here on:
@@ -253,32 +272,30 @@ impl<'p, const D: usize> Scene<'p, D> {
         Some(if momentum.scale > 0.0 { astray.norm() / momentum.scale } else { astray.norm() })
     }
 
-    /// Conductances between the particles as they are now, for species that live in the groups of `habitat`.
+    /// Conductances between the particles as they are now, for species that live in the groups of `habitat`, and
+    /// what the particles face of surfaces.
     #[must_use]
-    pub fn links(&self, habitat: GroupSet) -> Links {
+    pub fn exchange(&self, habitat: GroupSet) -> Exchange {
         let (weights, thickness) = (self.plan.weights, self.plan.thickness);
-        self.for_habitat(habitat, |voxels| exchange::links(voxels, &self.plan.kernel(), weights, thickness))
+        self.for_habitat(habitat, |voxels| exchange(voxels, &self.plan.kernel(), weights, thickness))
     }
 
-    /// Voxels that face a surface of the plan, among those of the groups of `habitat`.
+    /// Voxels that face a surface of the plan, among those of the groups of `habitat`, whose exchange is given.
     #[must_use]
-    pub fn facing(&self, surface: usize, habitat: GroupSet) -> Vec<Facing> {
-        let wall = match self.plan.surfaces[surface] {
-            WallName::Side { axis, upper } => return self.faces(habitat, Surface::Side { axis, upper }),
-            WallName::Group(g) => g,
-        };
-        let Some((group, shape)) = self.plan.still.iter().find(|(group, _)| usize::from(*group) == wall)
-        else {
-            return Vec::new(); // refused when the plan was made
-        };
-        let members: Vec<bool> = self.home.iter().map(|home| home == group).collect();
-        let distance = |x: &Vector<D>| shape.signed_distance(&embed(x));
-        self.faces(habitat, Surface::Body { members: &members, distance: &distance })
-    }
-
-    fn faces(&self, habitat: GroupSet, surface: Surface<D>) -> Vec<Facing> {
-        let (kernel, thickness) = (self.plan.kernel(), self.plan.thickness);
-        self.for_habitat(habitat, |voxels| facing(voxels, &kernel, thickness, surface))
+    pub fn facing(&self, surface: usize, habitat: GroupSet, exchange: &Exchange) -> Vec<Facing> {
+        match self.plan.surfaces[surface] {
+            WallName::Side { axis, upper } => {
+                let areas = &exchange.sides[2 * axis + usize::from(upper)];
+                let (cutoff, thickness) = (self.plan.cutoff, self.plan.thickness);
+                self.for_habitat(habitat, |voxels| side(voxels, areas, cutoff, thickness, (axis, upper)))
+            }
+            // The plan refuses surfaces of what moves or holds the species, so they are among the obstacles.
+            WallName::Group(wall) => {
+                let mut obstacles = self.plan.still.iter().filter(|(group, _)| !habitat.holds(*group));
+                let number = obstacles.position(|(group, _)| usize::from(*group) == wall);
+                number.and_then(|number| exchange.obstacles.get(number)).cloned().unwrap_or_default()
+            }
+        }
     }
 
     /// What `see` makes of the particles as hosts of the species that live in the groups of `habitat`.

@@ -105,6 +105,7 @@ fn of_a_volume(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case
 #[case::two_take_the_rest("groups:\n", "groups:\n  rest: { shape: everything_else }\n", "m.yaml:14:3", &["`everything_else`", "only one"])]
 #[case::group_named_all("groups:\n  medium", "groups:\n  all", "m.yaml:13:3", &["`all` is taken"])]
 #[case::short_periodic_axis("[8 um, 8 um]", "[4 um, 8 um]", "m.yaml:6:3", &["periodic axis x", "3 cut-offs"])]
+#[case::short_axis_in_metres("  max: [8 um, 8 um]\n  boundaries: { x: periodic, y: no_slip }\nparticles: { spacing: 1 um, support: 2 }", "  max: [8 m, 3 m]\n  boundaries: { x: periodic, y: no_slip }\nparticles: { spacing: 1 m, support: 4 }", "m.yaml:6:3", &["the box is 8 m along the periodic axis x; 3 cut-offs of 4 m are needed", "closed axis y; 1 cut-off of 4 m is needed"])]
 #[case::box_inside_out("[8 um, 8 um]", "[-8 um, 8 um]", "m.yaml:9:8", &["no extent along x"])]
 #[case::too_many_particles("[8 um, 8 um]", "[8 m, 8 m]", "m.yaml:6:3", &["of memory", "spacing coarser"])]
 #[case::too_many_fluid_steps("until: 1 us, realizations: 2, seed: 1 }\noutput: { every: 1 us }", "until: 1e5 s }\noutput: { every: 1e4 s }", "m.yaml:16:6", &["fluid steps", "at most 1e9", "set by viscosity"])]
@@ -160,6 +161,13 @@ fn of_a_graph(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case]
 #[case::courant("1 mm/s }", "1 mm/s, options: { courant: 2 } }", "m.yaml:14:104", &["a Courant number of 2", "no step above 1"])]
 #[case::density_rate("1 mm/s }", "1 mm/s, options: { density_rate: print } }", "m.yaml:14:109", &["not one of default, printed"])]
 #[case::unknown_option("1 mm/s }", "1 mm/s, options: { shfit: 5 } }", "m.yaml:14:95", &["unknown key", "shift"])]
+#[case::friction_of_sph("method: sph_bvf", "method: sph, friction: espanol_revenga", "m.yaml:14:33", &["friction of Morris", "remove `friction`"])]
+#[case::shift("1 mm/s }", "1 mm/s, options: { shift: 50 } }", "m.yaml:14:102", &["a shift of 50; at most 20", "2 is usual"])]
+#[case::delta("1 mm/s }", "1 mm/s, options: { delta: 3 } }", "m.yaml:14:102", &["a delta of 3; at most 1", "0.1 to 0.2"])]
+#[case::shift_and_courant("1 mm/s }", "1 mm/s, options: { shift: 10, courant: 0.2 } }", "m.yaml:14:115", &["with a shift of 10", "above 1", "0.10 would do"])]
+#[case::no_number("1 mm/s }", "1 mm/s, options: { delta: foo } }", "m.yaml:14:102", &["expected a number, found \"foo\"", "without a unit"])]
+#[case::no_density("1000 kg/m^3", "water", "m.yaml:14:36", &["expected a number with a unit, found \"water\"", "5 kg/m^3"])]
+#[case::celsius("1 mm/s }", "1 mm/s, temperature: 27 C }", "m.yaml:14:100", &["unknown unit \"C\"", "did you mean \"degC\""])]
 fn of_fluids(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] words: &[&str]) {
     check(&refused(PARTICLES, from, to, &[]), place, words);
 }
@@ -170,6 +178,10 @@ fn of_fluids(#[case] from: &str, #[case] to: &str, #[case] place: &str, #[case] 
 #[case::lifted_by_unknown("buoyancy: { species: Q, expansion: 1 m^3/mol, gravity: [0, -10 m/s^2] }", "m.yaml:15:41", &["unknown species"])]
 #[case::held_what_stays("held: { in: y_min, species: { B: 1 uM } }", "m.yaml:15:26", &["does not diffuse", "hold the particles"])]
 #[case::held_molecules_at_a_side("held: { in: y_min, species: { A: 100 } }", "m.yaml:15:26", &["holds one concentration", "A: 1 uM"])]
+#[case::held_nothing("held: { in: y_min }", "m.yaml:15:26", &["holds no species", "species: { A: 1 uM }"])]
+#[case::held_no_species("held: { in: medium, species: {} }", "m.yaml:15:26", &["holds no species"])]
+#[case::held_and_absorbed("held: { in: y_min, species: { A: 1 uM } } }, d: { absorbing: { in: y_min, species: { A: perfect } }", "m.yaml:15:65", &["`A` of `d` (absorbing)", "`c` (held)", "remove one"])]
+#[case::held_twice("held: { in: y_min, species: { A: 1 uM } } }, d: { held: { in: y_min, species: { A: 2 uM } }", "m.yaml:15:65", &["`c` (held) already rules"])]
 #[case::held_at_a_periodic_side("held: { in: x_min, species: { A: 1 uM } }", "m.yaml:15:32", &["periodic along x"])]
 #[case::held_surface_of_the_medium("held: { in: medium, at: surface, species: { A: 1 uM } }", "m.yaml:15:32", &["no surface of its own"])]
 fn of_buoyancy_and_held_surfaces(#[case] condition: &str, #[case] place: &str, #[case] words: &[&str]) {
@@ -177,18 +189,19 @@ fn of_buoyancy_and_held_surfaces(#[case] condition: &str, #[case] place: &str, #
     check(&refused(PARTICLES, "initial:", &with, &[]), place, words);
 }
 
-#[test]
-fn buoyancy_without_a_flow() {
+#[rstest]
+#[case::buoyancy("buoyancy: { species: A, expansion: 1 m^3/mol, gravity: [0, 1 m/s^2] }", "m.yaml:15:30")]
+#[case::force("force: { acceleration: [1 m/s^2, 0] }", "m.yaml:15:27")]
+#[case::lid("moving_wall: { in: y_max, velocity: [1 mm/s, 0] }", "m.yaml:15:33")]
+#[case::sponge("sponge: { in: medium, rate: 1 1/s, velocity: [1 mm/s, 0] }", "m.yaml:15:65")]
+fn without_a_flow(#[case] condition: &str, #[case] place: &str) {
     let message = refused(
-        &PARTICLES.replace(
-            "initial:",
-            "conditions: { c: { buoyancy: { species: A, expansion: 1 m^3/mol, gravity: [0, 1 m/s^2] } } }\ninitial:",
-        ),
+        &PARTICLES.replace("initial:", &format!("conditions: {{ c: {{ {condition} }} }}\ninitial:")),
         "fluid: { method: sph_bvf, density: 1000 kg/m^3, viscosity: 1 mPa s, speed: 1 mm/s }",
         "fluid: { method: none }",
         &[],
     );
-    check(&message, "m.yaml:15:30", &["none moves here", "`fluid:`"]);
+    check(&message, place, &["none moves here", "`fluid:`"]);
 }
 
 #[test]
@@ -397,6 +410,7 @@ fn of_open_ends(
 #[case::displacement_of_another_dimension("post", "moving_wall: { in: post, displacement: [\"1 um/s\", 0] }", "m.yaml:16:61", &["expected a length"])]
 #[case::displacement_by_a_species("post", "moving_wall: { in: post, displacement: [\"A * t\", 0] }", "m.yaml:16:61", &["unknown name \"A\""])]
 #[case::displacement_of_three("post", "moving_wall: { in: post, displacement: [0, 0, 0] }", "m.yaml:16:59", &["expected 2 components"])]
+#[case::belt_through_its_side("post", "moving_wall: { in: y_min, velocity: [0, 1 mm/s] }", "m.yaml:16:33", &["only move along itself"])]
 #[case::side_that_closes("post", "moving_wall: { in: y_min, displacement: [0, \"1 um/s * t\"] }", "m.yaml:16:60", &["cannot be displaced along y"])]
 #[case::displacement_and_velocity("post", "moving_wall: { in: post, displacement: [0, 0], velocity: [0, 0] }", "m.yaml:16:67", &["does not go with `displacement`"])]
 fn of_moving_solids(

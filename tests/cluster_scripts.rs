@@ -336,6 +336,12 @@ fn a_folder_that_is_none_a_block_that_is_not_there_a_model_that_cannot_be_copied
     let (status, _, said) = run(&["cluster", "slurm", nowhere.to_str().unwrap(), "--blocks", "2"]);
     assert!(status == 2 && said.contains("does not exist"), "{said}");
 
+    // Blocks that run apart cannot tell when all of them together know enough.
+    let asked = "run: { until_precision: { quantity: A at 1 s, relative_error: 1 %, confidence: 95 %, at_most: 1000 }, ";
+    let model = bench.model("asked.yaml", &MODEL.replace("run: {", asked).replace("realizations: 10, ", ""));
+    let (status, _, said) = run(&["cluster", "slurm", model.to_str().unwrap(), "--blocks", "2"]);
+    assert!(status == 2 && said.contains("until_precision chooses the number of realizations"), "{said}");
+
     // A reactions file named by its whole path would be read from there, changed or not.
     let reactions = bench.model(
         "r.yaml",

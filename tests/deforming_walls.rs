@@ -3,9 +3,7 @@
 mod face;
 
 use face::Bench;
-use gillesph::fluid::{
-    Body, BodyKind, Deformation, Domain, Flow, KernelKind, Motion, Options, Placed, Setup, Slip,
-};
+use gillesph::fluid::{Body, BodyKind, Deformation, Domain, Flow, Motion, Placed, Setup, Slip};
 use gillesph::vector::Vector;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -39,7 +37,6 @@ fn channel(n: i32, length: f64, floor: Motion<2>, roof: Motion<2>, speed: f64) -
             max: V::new(f64::from(columns) * spacing, 1.0 + 4.0 * spacing),
             periodic: [true, false],
         },
-        kernel: KernelKind::Lucy,
         cutoff: 3.0 * spacing,
         spacing,
         particles,
@@ -49,17 +46,7 @@ fn channel(n: i32, length: f64, floor: Motion<2>, roof: Motion<2>, speed: f64) -
             solid("roof", roof, true),
         ],
         reference_speed: speed,
-        reference_length: 1.0,
-        sound_speed: None,
-        pressure_scale: None,
-        body_force: V::zeros(),
-        sponges: Vec::new(),
-        initial_velocity: V::zeros(),
-        method: Default::default(),
-        friction: Default::default(),
-        state: Default::default(),
-        noise: None,
-        options: Options::default(),
+        ..Setup::default()
     };
     Flow::new(setup).expect("a sound setup")
 }

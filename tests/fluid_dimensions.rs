@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gillesph::error::RunError;
-use gillesph::fluid::{Body, BodyKind, Domain, Flow, KernelKind, Motion, Options, Placed, Setup, Slip};
+use gillesph::fluid::{Body, BodyKind, Domain, Flow, Motion, Placed, Setup, Slip};
 use gillesph::vector::Vector;
 
 /// A periodic box of `n` spacings along each axis, all fluid but a ball of radius `hole` in the middle that
@@ -25,7 +25,6 @@ fn bath<const D: usize>(n: usize, hole: f64, velocity: f64) -> Setup<D> {
     let motion = Motion::Translating { velocity: along };
     Setup {
         domain: Domain { min: Vector::zeros(), max: Vector::from_element(side), periodic: [true; D] },
-        kernel: KernelKind::Lucy,
         cutoff: 2.6,
         spacing: 1.0,
         particles,
@@ -36,18 +35,9 @@ fn bath<const D: usize>(n: usize, hole: f64, velocity: f64) -> Setup<D> {
                 kind: BodyKind::Solid { slip: Slip::NoSlip, motion, surface: Some(ball) },
             },
         ],
-        reference_speed: 1.0,
         reference_length: side,
         sound_speed: Some(10.0),
-        pressure_scale: None,
-        body_force: Vector::zeros(),
-        sponges: Vec::new(),
-        initial_velocity: Vector::zeros(),
-        method: Default::default(),
-        friction: Default::default(),
-        state: Default::default(),
-        noise: None,
-        options: Options::default(),
+        ..Setup::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Flows with exact solutions: Poiseuille, Couette, Taylor-Green; momentum in a periodic box.
 
-use gillesph::fluid::{Body, BodyKind, Domain, Flow, KernelKind, Motion, Options, Placed, Setup, Slip};
+use gillesph::fluid::{Body, BodyKind, Domain, Flow, Motion, Placed, Setup, Slip};
 use gillesph::vector::Vector;
 use std::f64::consts::PI;
 
@@ -32,7 +32,6 @@ fn channel(n: i32, finer: i32, viscosity: f64, speed: f64, body_force: V, upper:
             max: V::new(f64::from(length) * spacing, 1.0),
             periodic: [true, false],
         },
-        kernel: KernelKind::Lucy,
         cutoff: 3.0 * spacing,
         spacing,
         particles,
@@ -42,17 +41,9 @@ fn channel(n: i32, finer: i32, viscosity: f64, speed: f64, body_force: V, upper:
             wall("upper", upper),
         ],
         reference_speed: speed,
-        reference_length: 1.0,
         sound_speed: Some(10.0 * speed),
-        pressure_scale: None,
         body_force,
-        sponges: Vec::new(),
-        initial_velocity: V::zeros(),
-        method: Default::default(),
-        friction: Default::default(),
-        state: Default::default(),
-        noise: None,
-        options: Options::default(),
+        ..Setup::default()
     };
     Flow::new(setup).expect("the channel is sound")
 }
@@ -127,7 +118,6 @@ fn taylor_green(n: i32, reynolds: f64) -> Flow<2> {
     }
     let setup = Setup {
         domain: Domain { min: V::zeros(), max: V::new(1.0, 1.0), periodic: [true, true] },
-        kernel: KernelKind::Lucy,
         cutoff: 3.0 * spacing,
         spacing,
         particles,
@@ -135,18 +125,8 @@ fn taylor_green(n: i32, reynolds: f64) -> Flow<2> {
             name: "fluid".to_owned(),
             kind: BodyKind::Fluid { density: 1.0, viscosity: 1.0 / reynolds },
         }],
-        reference_speed: 1.0,
-        reference_length: 1.0,
         sound_speed: Some(10.0),
-        pressure_scale: None,
-        body_force: V::zeros(),
-        sponges: Vec::new(),
-        initial_velocity: V::zeros(),
-        method: Default::default(),
-        friction: Default::default(),
-        state: Default::default(),
-        noise: None,
-        options: Options::default(),
+        ..Setup::default()
     };
     let mut flow = Flow::new(setup).expect("the box is sound");
     flow.set_velocity(|x| {

@@ -1,6 +1,6 @@
 //! The methods and printed options by name: each runs a case of its own and shows what it is for.
 
-use gillesph::fluid::{Body, BodyKind, Domain, EquationOfState, Flow, KernelKind, Method, Motion, Options};
+use gillesph::fluid::{Body, BodyKind, Domain, EquationOfState, Flow, Method, Motion};
 use gillesph::fluid::{Placed, Setup, Slip, Snapshot};
 use gillesph::vector::Vector;
 use std::f64::consts::TAU;
@@ -21,7 +21,6 @@ fn boxed(n: i32, solid: impl Fn(&V) -> bool) -> Setup<2> {
     let ball = BodyKind::Solid { slip: Slip::NoSlip, motion: Motion::Still, surface: None };
     Setup {
         domain: Domain { min: V::zeros(), max: V::new(1.0, 1.0), periodic: [true, true] },
-        kernel: KernelKind::Lucy,
         cutoff: 3.0 * spacing,
         spacing,
         particles,
@@ -29,18 +28,9 @@ fn boxed(n: i32, solid: impl Fn(&V) -> bool) -> Setup<2> {
             Body { name: "fluid".to_owned(), kind: BodyKind::Fluid { density: 1.0, viscosity: 0.02 } },
             Body { name: "ball".to_owned(), kind: ball },
         ],
-        reference_speed: 1.0,
-        reference_length: 1.0,
         sound_speed: Some(10.0),
-        pressure_scale: None,
-        body_force: V::zeros(),
-        sponges: Vec::new(),
-        initial_velocity: V::zeros(),
         method: Method::SphBvf,
-        friction: Default::default(),
-        state: Default::default(),
-        noise: None,
-        options: Options::default(),
+        ..Setup::default()
     }
 }
 

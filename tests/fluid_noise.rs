@@ -1,6 +1,6 @@
 //! Thermal noise: temperature, shape of the velocity distribution, momentum, threads, memory of the velocity.
 
-use gillesph::fluid::{Body, BodyKind, Domain, Flow, Friction, KernelKind, Method, Motion, Noise, Options};
+use gillesph::fluid::{Body, BodyKind, Domain, Flow, Friction, KernelKind, Method, Motion, Noise};
 use gillesph::fluid::{Placed, Setup, Slip};
 use gillesph::vector::Vector;
 
@@ -29,7 +29,6 @@ fn bath<const D: usize>(n: usize, method: Method, friction: Friction, seed: u64,
     let wall = BodyKind::Solid { slip: Slip::NoSlip, motion: Motion::Still, surface: None };
     Setup {
         domain,
-        kernel: KernelKind::Lucy,
         cutoff: if D == 3 { 2.2 } else { 2.5 },
         spacing: 1.0,
         particles,
@@ -37,18 +36,12 @@ fn bath<const D: usize>(n: usize, method: Method, friction: Friction, seed: u64,
             Body { name: "fluid".to_owned(), kind: BodyKind::Fluid { density: 1.0, viscosity: 0.5 } },
             Body { name: "wall".to_owned(), kind: wall },
         ],
-        reference_speed: 1.0,
         reference_length: length,
         sound_speed: Some(10.0),
-        pressure_scale: None,
-        body_force: Vector::zeros(),
-        sponges: Vec::new(),
-        initial_velocity: Vector::zeros(),
         method,
         friction,
-        state: Default::default(),
         noise: Some(Noise { energy: ENERGY, seed, realization: 0 }),
-        options: Options::default(),
+        ..Setup::default()
     }
 }
 

@@ -47,8 +47,11 @@ fn channel(spacing: f64, walls: Slip, spin: f64) -> Flow<2> {
         name: name.to_owned(),
         kind: BodyKind::Solid { slip, motion, surface },
     };
-    let motion =
-        if spin == 0.0 { Motion::Still } else { Motion::Rotating { centre, rate: [0.0, 0.0, spin] } };
+    let motion = if spin == 0.0 {
+        Motion::Still
+    } else {
+        Motion::Rotating { centre, rate: [0.0, 0.0, spin], domain: None }
+    };
     let setup = Setup {
         domain: Domain { min: V::zeros(), max: V::new(LENGTH, WIDTH), periodic: [true, false] },
         kernel: KernelKind::Lucy,

@@ -1,6 +1,6 @@
 //! Rigid bodies that the fluid moves: momentum, drag, and how they come to the speed of the flow.
 
-use gillesph::fluid::{Body, BodyKind, Domain, Flow, Free, KernelKind, Noise, Options, Placed, Setup, Slip};
+use gillesph::fluid::{Body, BodyKind, Domain, Flow, Free, Noise, Placed, Setup, Slip};
 use gillesph::vector::Vector;
 use std::sync::Arc;
 
@@ -27,7 +27,6 @@ impl<const D: usize> Case<D> {
         }
         let setup = Setup {
             domain: Domain { min: Vector::zeros(), max: Vector::from_element(1.0), periodic: [true; D] },
-            kernel: KernelKind::Lucy,
             cutoff: 2.8 * spacing,
             spacing,
             particles,
@@ -43,17 +42,9 @@ impl<const D: usize> Case<D> {
                 },
             ],
             reference_speed: self.speed,
-            reference_length: 1.0,
-            sound_speed: None,
-            pressure_scale: None,
             body_force: self.body_force,
-            sponges: Vec::new(),
-            initial_velocity: Vector::zeros(),
-            method: Default::default(),
-            friction: Default::default(),
-            state: Default::default(),
             noise: self.noise.then_some(Noise { energy: 1e-6, seed: 5, realization: 0 }),
-            options: Options::default(),
+            ..Setup::default()
         };
         Flow::new(setup).expect("a sound setup")
     }

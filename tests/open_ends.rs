@@ -1,9 +1,7 @@
 //! Open ends: particles enter at a given velocity and leave at a given pressure.
 
 use gillesph::fluid::setup::Surface;
-use gillesph::fluid::{
-    Body, BodyKind, Domain, End, Flow, KernelKind, Motion, Open, Options, Placed, Setup, Slip,
-};
+use gillesph::fluid::{Body, BodyKind, Domain, End, Flow, Motion, Open, Placed, Setup, Slip};
 use gillesph::vector::Vector;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -62,7 +60,6 @@ impl Channel {
         let open = Open { axis: 0, ends, depth: f64::from(buffer) * spacing, fluid: 0, reserve: 2 };
         let setup = Setup {
             domain: Domain { min, max, periodic },
-            kernel: KernelKind::Lucy,
             cutoff,
             spacing,
             particles,
@@ -85,18 +82,7 @@ impl Channel {
                     kind: BodyKind::Solid { slip: Slip::NoSlip, motion: Motion::Still, surface: None },
                 },
             ],
-            reference_speed: 1.0,
-            reference_length: 1.0,
-            sound_speed: None,
-            pressure_scale: None,
-            body_force: Vector::zeros(),
-            sponges: Vec::new(),
-            initial_velocity: Vector::zeros(),
-            method: Default::default(),
-            friction: Default::default(),
-            state: Default::default(),
-            noise: None,
-            options: Options::default(),
+            ..Setup::default()
         };
         let mut setup = setup;
         let parking = open.parking(&setup);

@@ -88,9 +88,17 @@ fn a_blow_up_keeps_what_was_finished() {
     let output = start(folder.path(), &changed(CHANNEL, &changes), &["--out", "out"]).output().unwrap();
     let message = message(&output);
     assert_eq!(output.status.code(), Some(1), "{message}");
-    for word in
-        ["step ", "t = ", "particle ", "density (kg/m^3) = ", "4 realizations", "output times are kept"]
-    {
+    for word in [
+        "step ",
+        "t = ",
+        "particle ",
+        "density (kg/m^3) = ",
+        "a sound speed of 1.000e-6 m/s, a step of ",
+        "set fluid.sound_speed: 1.0e-2 m/s",
+        "fluid.options.courant: ",
+        "4 realizations",
+        "output times are kept",
+    ] {
         assert!(message.contains(word), "`{word}` is missing: {message}");
     }
     let dir = folder.path().join("out");
@@ -149,6 +157,39 @@ fn what_was_interrupted_is_resumed_to_the_same_bytes(#[case] model: String) {
         (tables::read_record(&folder.path().join("whole")).unwrap(), tables::read_record(&dir).unwrap());
     assert_eq!(one.health, other.health);
     assert_eq!(other.status, "finished");
+}
+
+/// One chemistry step of a hundred million steps of the fluid.
+#[test]
+#[cfg(unix)]
+fn a_long_way_between_two_chemistry_steps_is_interrupted_at_once() {
+    let folder = TempDir::new().unwrap();
+    let changes = [
+        ("chemistry: { step: 0.25 us }", "chemistry: { step: 10 s }"),
+        ("until: 100 us", "until: 10 s"),
+        ("every: 1 us", "every: 10 s"),
+    ];
+    let mut child = start(folder.path(), &changed(CHANNEL, &changes), &["--out", "out"]).spawn().unwrap();
+    let begun = Instant::now();
+    while !folder.path().join("out/run.json").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the run never began");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+    let asked = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if asked.elapsed() > Duration::from_secs(30) {
+            child.kill().unwrap();
+            panic!("still running half a minute after the wish to stop");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    assert_eq!(status.code(), Some(130));
+    assert_eq!(tables::read_record(&folder.path().join("out")).unwrap().status, "interrupted");
 }
 
 /// Both folders hold the same names and bytes.

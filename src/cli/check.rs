@@ -8,6 +8,7 @@ use crate::model::load::{self, Document};
 use crate::plan::Plan;
 use crate::plan::limits::estimate;
 use crate::quantity::readable::{show, significant};
+use crate::record::FluidRecord;
 use crate::simulation::{NotReady, Ready};
 use std::fmt::Write;
 use std::path::Path;
@@ -38,7 +39,7 @@ pub(crate) fn check(file: &Path, overrides: &[String]) -> Result<(), Stop> {
 
 fn describe(plan: &Plan, ready: &Ready) -> String {
     let mut text = String::new();
-    let record = ensemble::record(plan, &(0..plan.model.run.realizations), ready.steps(), 0);
+    let record = ensemble::record(plan, &(0..plan.model.run.realizations), ready, 0);
     // Writing to a string cannot fail.
     let mut line = |words: String| {
         let _ = writeln!(text, "{words}");
@@ -103,6 +104,11 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
             line(format!("  the groups fill {:.0} % of the box; the rest is empty", 100.0 * share));
         }
     }
+    if let Some(fluid) = &record.fluid {
+        for words in flow(fluid, plan) {
+            line(words);
+        }
+    }
     line("\nat the start".to_string());
     let amounts = ready.amounts(plan);
     if amounts.is_empty() {
@@ -133,14 +139,53 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     }
     let rough = estimate(&plan.model, plan.model.run.realizations);
     line(format!(
-        "\nrun: {} realizations until {}, {} output times; about {:.0} MB of memory{}",
+        "\nrun: {} realization{} until {}, {} output times; about {:.0} MB of memory{}",
         plan.model.run.realizations,
+        if plan.model.run.realizations == 1 { "" } else { "s" },
         show(plan.model.run.until, "s"),
         plan.model.output.times.len(),
         (rough.bytes / 1e6).max(30.0),
         run_time(plan, &record.steps, rough.voxels, rough.neighbours)
     ));
     text
+}
+
+/// The numbers of a fluid.
+fn flow(fluid: &FluidRecord, plan: &Plan) -> Vec<String> {
+    let stated = match &plan.model.domain {
+        Domain::Particles(domain) => domain.fluid.as_ref().is_some_and(|fluid| fluid.sound_speed.is_some()),
+        _ => false,
+    };
+    let mut lines = vec![
+        format!(
+            "\nfluid: {}, density {}, viscosity {}",
+            fluid.method,
+            show(fluid.density, "kg/m^3"),
+            show(fluid.viscosity, "Pa s")
+        ),
+        format!("  largest speed expected {}: {}", show(fluid.speed, "m/s"), fluid.speed_of),
+        format!(
+            "  sound speed {}{}: Mach number {}",
+            show(fluid.sound_speed, "m/s"),
+            if stated { "" } else { ", chosen" },
+            significant(fluid.mach, 3)
+        ),
+        format!(
+            "  Reynolds number {}: length {}, {}",
+            significant(fluid.reynolds, 3),
+            show(fluid.length, "m"),
+            fluid.length_of
+        ),
+    ];
+    if let Some(noise) = &fluid.noise {
+        lines.push(format!(
+            "  thermal noise at {}: kT = {:.3e} J, thermal speed of a particle {}",
+            show(noise.temperature, "K"),
+            noise.energy,
+            show(noise.thermal_speed, "m/s")
+        ));
+    }
+    lines
 }
 
 /// An estimate of the run time on this machine, where the steps are known beforehand.

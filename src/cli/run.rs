@@ -4,6 +4,7 @@ use super::{Stop, print};
 use crate::ensemble::{self, Claim, Concluded, Earlier, claim, look, release};
 use crate::error::{Fault, RunError};
 use crate::model::load;
+use crate::model::precision::FIRST_LOOK;
 use crate::plan::Plan;
 use crate::record::RunRecord;
 use crate::simulation::{NotReady, Ready, Watch};
@@ -54,7 +55,21 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     if let Some(seed) = options.seed {
         model.run.seed = seed;
     }
-    let block = block(options.realizations.as_deref(), model.run.realizations)?;
+    let block = match &mut model.run.until_precision {
+        None => block(options.realizations.as_deref(), model.run.realizations)?,
+        Some(asked) => {
+            let whole = block(options.realizations.as_deref(), asked.at_most)?;
+            if whole.start > 0 || whole.end < FIRST_LOOK {
+                return Err(Fault::general(
+                    "--realizations with run.until_precision: the run chooses their number".to_string(),
+                    format!("leave it out, or give the most there may be, at least {FIRST_LOOK}"),
+                )
+                .into());
+            }
+            asked.at_most = whole.end;
+            whole
+        }
+    };
     let threads = threads(options.threads.or(model.run.threads))?;
     let dir = options.out.clone().unwrap_or_else(|| Path::new("reports").join(&model.name));
     let earlier = look(&dir, Claim { resume: options.resume, force: options.force })?;
@@ -65,7 +80,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
         NotReady::Model(error) => Stop::Model(error),
         NotReady::Run(error) => Stop::Run(error),
     })?;
-    let mut record = ensemble::record(&plan, &block, ready.steps(), threads);
+    let mut record = ensemble::record(&plan, &block, &ready, threads);
     // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
     let watch = Watch::on_terminal(options.quiet);
     let held = claim(&dir, &record, &earlier)?;

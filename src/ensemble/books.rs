@@ -92,6 +92,7 @@ impl Books {
             bounces: flow.map(|f| f.bounces),
             largest_mach: flow.map(|f| f.largest_mach),
             largest_density_change: flow.map(|f| f.largest_density_change),
+            temperature: flow.and_then(|f| f.temperature),
             warnings: warnings.chain(std::mem::take(&mut record.health.warnings)).collect(),
         };
         let performance = &mut record.performance;

@@ -1,13 +1,19 @@
 //! Where the realizations of a run on disk leave what they have seen: journal, particle tables, states.
 
 use super::journal::{Entry, Journal, Reader};
+use super::precision::Look;
 use super::states::{Found, States};
 use crate::error::RunError;
+use crate::plan::Plan;
+use crate::quantity::readable::{show, significant};
 use crate::samples::ParticleFrame;
+use crate::sampling;
 use crate::simulation::keep::Writing;
-use crate::simulation::{CourseShare, Keep, Piece, Share};
+use crate::simulation::{CourseShare, Keep, Piece, Share, Watch};
+use crate::statistics::Accumulator;
 use crate::tables;
 use crate::vtk;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -18,8 +24,12 @@ const USUAL: Duration = Duration::from_secs(60);
 /// The run spends this many times as long as it took to save the last state before it saves the next: under 2 %.
 const SHARE: u32 = 60;
 
+/// Wall time between two lines about how well a mean is known.
+const TELL: Duration = Duration::from_millis(500);
+
 /// A desk that writes below a folder.
-pub struct Desk {
+pub struct Desk<'w> {
+    watch: &'w Watch,
     dir: PathBuf,
     journal: Mutex<Journal>,
     states: States,
@@ -31,31 +41,129 @@ pub struct Desk {
     /// Times of the frames, s, if they are also written for ParaView.
     vtk: Option<Vec<f64>>,
     notes: Mutex<Vec<String>>,
+    watched: Option<Watched>,
 }
 
-impl Desk {
+/// The amount that is watched while the run goes on.
+struct Watched {
+    /// Number of the output time, column, and both in words.
+    time: u32,
+    column: usize,
+    words: String,
+    confidence: f64,
+    seen: Mutex<Values>,
+}
+
+/// Amounts by realization.
+struct Values {
+    all: BTreeMap<u32, f64>,
+    /// In the order in which they came.
+    moments: Accumulator,
+    told: Instant,
+}
+
+impl Watched {
+    /// What the run is to know well, or else the last species at the end.
+    fn new(plan: &Plan) -> Option<Watched> {
+        let (columns, times) = (sampling::columns(plan), &plan.model.output.times);
+        let asked = plan.model.run.until_precision.as_ref();
+        let (species, group, at, confidence) = match asked {
+            Some(asked) => (asked.species, asked.group, asked.time, asked.confidence),
+            None => (plan.reactor.species.len().checked_sub(1)?, None, *times.last()?, 0.95),
+        };
+        let names = plan.model.domain.group_names();
+        let group = group.map_or("all", |g| names[g].as_str());
+        let name = plan.reactor.species[species].as_str();
+        let place = if group == "all" { String::new() } else { format!(" in {group}") };
+        Some(Watched {
+            time: times.iter().position(|time| *time == at)? as u32,
+            column: columns.find(group, name)?,
+            words: format!("{name}{place} at {}", show(at, "s")),
+            confidence,
+            seen: Mutex::new(Values {
+                all: BTreeMap::new(),
+                moments: Accumulator::default(),
+                told: Instant::now(),
+            }),
+        })
+    }
+
+    /// Takes note of a piece; now and then what is known by now, in words.
+    fn see(&self, piece: &Piece) -> Option<String> {
+        let row = self.time.checked_sub(piece.first).filter(|row| *row < piece.outputs)? as usize;
+        let width = piece.amount.len() / piece.outputs as usize;
+        let value = *piece.amount.get(row * width + self.column)?;
+        let mut seen = lock(&self.seen);
+        // Once more after a run was taken up from a state: the same value.
+        if seen.all.insert(piece.realization, value).is_none() {
+            seen.moments.push(value);
+        }
+        if seen.told.elapsed() < TELL || seen.moments.count() < 2 {
+            return None;
+        }
+        seen.told = Instant::now();
+        let look = Look::of(&seen.moments, self.confidence);
+        let (mean, width) = (significant(look.mean, 4), significant(look.half_width, 2));
+        Some(format!("{} {mean} ± {width}", self.words))
+    }
+}
+
+impl<'w> Desk<'w> {
     /// A desk below `dir`, whose folder `checkpoint` is there.
     ///
     /// # Errors
     /// A journal that cannot be used.
     pub fn new(
         dir: &Path,
+        plan: &Plan,
         hash: &str,
-        every: Option<f64>,
         species: Vec<String>,
         vtk: Option<Vec<f64>>,
-    ) -> Result<Desk, RunError> {
+        watch: &'w Watch,
+    ) -> Result<Desk<'w>, RunError> {
         let folder = dir.join("checkpoint");
+        let watched = Watched::new(plan);
+        let journal = Journal::open(&folder.join("journal"), &mut |entry| {
+            if let (Entry::Piece(piece), Some(watched)) = (entry, &watched) {
+                watched.see(piece);
+            }
+        })?;
         Ok(Desk {
+            watch,
             dir: dir.to_path_buf(),
-            journal: Mutex::new(Journal::open(&folder.join("journal"))?),
+            journal: Mutex::new(journal),
             states: States::new(&folder, hash),
-            every: every.map_or(USUAL, Duration::from_secs_f64),
+            every: plan.model.run.checkpoint_every.map_or(USUAL, Duration::from_secs_f64),
             longest: Mutex::default(),
             species,
             vtk,
             notes: Mutex::default(),
+            watched,
         })
+    }
+
+    /// Who watches the run.
+    #[must_use]
+    pub fn watch(&self) -> &'w Watch {
+        self.watch
+    }
+
+    /// What the first realizations say of the amount that is watched.
+    #[must_use]
+    pub fn look(&self, realizations: u32, confidence: f64) -> Look {
+        let Some(watched) = &self.watched else { return Look::at(std::iter::empty(), confidence) };
+        Look::at(lock(&watched.seen).all.range(..realizations).map(|(_, value)| *value), confidence)
+    }
+
+    /// The amount that is watched, in words.
+    #[must_use]
+    pub fn watched_words(&self) -> String {
+        self.watched.as_ref().map(|watched| watched.words.clone()).unwrap_or_default()
+    }
+
+    /// Notes something the user should know.
+    pub fn note(&self, words: String) {
+        lock(&self.notes).push(words);
     }
 
     /// Realizations of a block that are not finished yet.
@@ -99,8 +207,11 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Keep for Desk {
+impl Keep for Desk<'_> {
     fn piece(&self, piece: Piece) -> Result<(), RunError> {
+        if let Some(words) = self.watched.as_ref().and_then(|watched| watched.see(&piece)) {
+            self.watch.tell(words);
+        }
         lock(&self.journal).append(Entry::Piece(piece))
     }
 
@@ -147,7 +258,7 @@ impl Keep for Desk {
             Found::None => Ok(None),
             Found::State(state) => Ok(Some(state)),
             Found::Older { state: Some(state), reason } => {
-                lock(&self.notes).push(format!("{reason}; the run went on from the state before it"));
+                self.note(format!("{reason}; the run went on from the state before it"));
                 Ok(Some(state))
             }
             Found::Older { state: None, reason } => Err(RunError::File {

@@ -74,18 +74,22 @@ impl Index {
 }
 
 impl Journal {
-    /// Opens a journal, new or left by an earlier run, of which an unfinished last frame is cut off.
+    /// Opens a journal, new or left by an earlier run, of which an unfinished last frame is cut off; `see` is shown what
+    /// is in it.
     ///
     /// # Errors
     /// A file that cannot be used, or is damaged before its last frame.
-    pub fn open(path: &Path) -> Result<Journal, RunError> {
+    pub fn open(path: &Path, see: &mut dyn FnMut(&Entry)) -> Result<Journal, RunError> {
         let fault = |error: std::io::Error| file_fault(path, &error);
         let mut file =
             File::options().read(true).write(true).create(true).truncate(false).open(path).map_err(fault)?;
         let length = file.metadata().map_err(fault)?.len();
         let (mut index, mut end) = (Index::default(), 0);
         while let Some(entries) = read_frame(&mut file, path, end, length)? {
-            entries.1.into_iter().for_each(|entry| index.note(end, entry));
+            entries.1.into_iter().for_each(|entry| {
+                see(&entry);
+                index.note(end, entry);
+            });
             end += entries.0;
         }
         file.set_len(end).map_err(fault)?;
@@ -350,7 +354,7 @@ mod tests {
     fn a_journal_cut_anywhere_keeps_its_whole_frames() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("journal");
-        let mut journal = Journal::open(&path).unwrap();
+        let mut journal = Journal::open(&path, &mut |_| {}).unwrap();
         let mut ends = vec![0];
         for r in 0..5 {
             journal.append(Entry::Piece(piece(r, 0, 3))).unwrap();
@@ -362,7 +366,7 @@ mod tests {
         for cut in 0..=whole.len() {
             std::fs::write(&path, &whole[..cut]).unwrap();
             let expected = ends.iter().filter(|&&end| end > 0 && end <= cut as u64).count();
-            let mut journal = Journal::open(&path).unwrap();
+            let mut journal = Journal::open(&path, &mut |_| {}).unwrap();
             assert_eq!(journal.index().finished.len(), expected, "cut at {cut}");
             journal.append(Entry::Piece(piece(9, 0, 2))).unwrap();
             journal.append(finished(9)).unwrap();
@@ -378,7 +382,7 @@ mod tests {
     fn damage_in_the_middle_is_told() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("journal");
-        let mut journal = Journal::open(&path).unwrap();
+        let mut journal = Journal::open(&path, &mut |_| {}).unwrap();
         for r in 0..3 {
             journal.append(finished(r)).unwrap();
             journal.flush().unwrap();
@@ -387,14 +391,14 @@ mod tests {
         let mut bytes = std::fs::read(&path).unwrap();
         bytes[HEAD + 1] ^= 1;
         std::fs::write(&path, bytes).unwrap();
-        let message = Journal::open(&path).err().unwrap().to_string();
+        let message = Journal::open(&path, &mut |_| {}).err().unwrap().to_string();
         assert!(message.contains("damaged") && message.contains("--force"), "{message}");
     }
 
     #[test]
     fn what_comes_again_comes_once() {
         let dir = tempfile::tempdir().unwrap();
-        let mut journal = Journal::open(&dir.path().join("journal")).unwrap();
+        let mut journal = Journal::open(&dir.path().join("journal"), &mut |_| {}).unwrap();
         for (first, outputs) in [(0, 4), (2, 4), (2, 2), (6, 1)] {
             journal.append(Entry::Piece(piece(1, first, outputs))).unwrap();
             journal.flush().unwrap();

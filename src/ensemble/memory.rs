@@ -27,7 +27,7 @@ pub struct Results {
 /// What stopped it.
 pub fn in_memory(plan: &Plan, ready: Ready) -> Result<Results, RunError> {
     let block = 0..plan.model.run.realizations;
-    let mut record = record(plan, &block, ready.steps(), 0);
+    let mut record = record(plan, &block, &ready, 0);
     let numbers: Vec<u32> = block.collect();
     let outcome = ready.run(&numbers, &Watch::silent());
     if let Some(error) = outcome.error {

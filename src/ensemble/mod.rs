@@ -11,6 +11,7 @@ mod desk;
 mod folder;
 mod journal;
 mod memory;
+mod precision;
 mod record;
 mod states;
 
@@ -23,8 +24,11 @@ pub use record::{conditions, record};
 pub use states::FORMAT;
 
 use crate::error::RunError;
+use crate::model::Precision;
+use crate::model::precision::FIRST_LOOK;
 use crate::plan::Plan;
-use crate::record::RunRecord;
+use crate::quantity::readable::significant;
+use crate::record::{PrecisionRecord, RunRecord};
 use crate::sampling;
 use crate::simulation::{Finish, Piece, Ready, Share, Tally, Watch};
 use crate::tables;
@@ -32,6 +36,7 @@ use assemble::{Source, Wanted, assemble};
 use books::Books;
 use desk::Desk;
 use journal::Reader;
+use precision::Look;
 use std::path::Path;
 
 /// What a run came to; its tables are written.
@@ -67,8 +72,11 @@ pub fn run(
         times
     });
     let species = plan.reactor.species.clone();
-    let desk = Desk::new(dir, &record.model.hash, plan.model.run.checkpoint_every, species, frames)?;
-    let finish = ready.run_into(&desk.unfinished(from..to), watch, &desk);
+    let desk = Desk::new(dir, plan, &record.model.hash, species, frames, watch)?;
+    let finish = match &plan.model.run.until_precision {
+        None => ready.run_into(&desk.unfinished(from..to), watch, &desk),
+        Some(asked) => until(ready, asked, &desk, &mut record),
+    };
     watch.end();
     let (notes, reader) = desk.close()?;
     record.health.warnings = notes;
@@ -79,6 +87,53 @@ pub fn run(
 #[must_use]
 pub fn finished_so_far(dir: &Path) -> usize {
     journal::finished(&dir.join("checkpoint/journal"))
+}
+
+/// Runs more and more realizations until a mean is known as well as was asked.
+fn until(ready: &Ready, asked: &Precision, desk: &Desk, record: &mut RunRecord) -> Finish {
+    let (mut upto, mut looks) = (FIRST_LOOK.min(asked.at_most), Vec::new());
+    loop {
+        let finish = ready.run_into(&desk.unfinished(0..upto), desk.watch(), desk);
+        if finish.error.is_some() || finish.interrupted {
+            return finish;
+        }
+        let look = desk.look(upto, asked.confidence);
+        looks.push(upto);
+        let reached = look.suffices(asked);
+        if reached || upto >= asked.at_most {
+            record.realizations = [0, upto];
+            let quantity = desk.watched_words();
+            if !reached {
+                desk.note(not_reached(&quantity, &look, asked));
+            }
+            record.precision = Some(PrecisionRecord {
+                quantity,
+                mean: look.mean,
+                half_width: look.half_width,
+                confidence: asked.confidence,
+                asked: asked.relative_error,
+                reached,
+                looks,
+            });
+            return finish;
+        }
+        upto = look.next(asked);
+    }
+}
+
+/// How far a run got that was not allowed to go on.
+fn not_reached(quantity: &str, look: &Look, asked: &Precision) -> String {
+    let percent = |share: f64| format!("{} %", significant(100.0 * share, 2));
+    let got = match look.relative() {
+        relative if relative.is_finite() => format!(
+            "{} of the mean, {} would take about {} realizations",
+            percent(relative),
+            percent(asked.relative_error),
+            significant(look.needed(asked), 2)
+        ),
+        _ => "nothing but zeros".into(),
+    };
+    format!("{quantity} is not known as well as asked after {} realizations: {got}", look.realizations)
 }
 
 /// Writes tables and record of what a journal holds.

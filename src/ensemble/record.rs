@@ -7,15 +7,16 @@ use crate::plan::chemistry::receptor_pairs;
 use crate::plan::{Arena, Plan};
 use crate::record::{
     DomainRecord, GroupRecord, Health, HistogramRecord, Performance, ProbeRecord, ReactionRecord, RunRecord,
-    SpeciesRecord, StepsRecord,
+    SpeciesRecord,
 };
 use crate::sampling::{self, probe::occupancy_name};
+use crate::simulation::Ready;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// The record of a block before it runs.
 #[must_use]
-pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usize) -> RunRecord {
+pub fn record(plan: &Plan, block: &Range<u32>, ready: &Ready, threads: usize) -> RunRecord {
     let model = &plan.model;
     let names = model.domain.group_names();
     RunRecord {
@@ -64,7 +65,9 @@ pub fn record(plan: &Plan, block: &Range<u32>, steps: StepsRecord, threads: usiz
                 times: h.times.clone(),
             })
             .collect(),
-        steps,
+        fluid: ready.fluid(),
+        steps: ready.steps(),
+        precision: None,
         hybrid: Vec::new(),
         health: Health::default(),
         performance: Performance { threads, ..Performance::default() },

@@ -92,15 +92,18 @@ impl Ruler {
         if !self.logarithmic {
             return ticks(axis.low, axis.high, count);
         }
-        // Whole decades, with 2 and 5 between them where there are few.
+        // Whole decades, with 2 and 5 between them where there are few, and all digits where those are too few.
+        let found = |steps: &[f64]| -> Vec<(f64, String)> {
+            let decades = axis.low.floor() as i32..=axis.high.ceil() as i32;
+            let values = decades.flat_map(|k| steps.iter().map(move |m| m * 10f64.powi(k)));
+            values
+                .filter(|v| (axis.low - 1e-9..=axis.high + 1e-9).contains(&v.log10()))
+                .map(|v| (v.log10(), significant(v, 1)))
+                .collect()
+        };
         let few = axis.high - axis.low < 1.6;
-        let decades = axis.low.floor() as i32..=axis.high.ceil() as i32;
-        let steps: &[f64] = if few { &[1.0, 2.0, 5.0] } else { &[1.0] };
-        let values = decades.flat_map(|k| steps.iter().map(move |m| m * 10f64.powi(k)));
-        values
-            .filter(|v| (axis.low - 1e-9..=axis.high + 1e-9).contains(&v.log10()))
-            .map(|v| (v.log10(), significant(v, 1)))
-            .collect()
+        let usual = found(if few { &[1.0, 2.0, 5.0] } else { &[1.0] });
+        if usual.len() > 1 { usual } else { found(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
     }
 }
 
@@ -181,7 +184,7 @@ fn frame(d: &mut Drawing, panel: &Panel, plot: &Plot) {
         widest = widest.max(text_width(&label, LABEL));
     }
     d.text([l + w / 2.0, t + h + 6.8], &plot.x.label, LABEL, BLACK, Anchor::Middle);
-    d.text_upwards([l - widest - 3.8, t + h / 2.0], &plot.y.label, LABEL, BLACK);
+    d.text_upwards([l - widest - 4.4, t + h / 2.0], &plot.y.label, LABEL, BLACK);
     d.text([l, t - 2.6], &plot.title, TITLE, BLACK, Anchor::Start);
 }
 
@@ -225,6 +228,10 @@ mod tests {
         let labels: Vec<String> = ruler.ticks(&axis, 5).into_iter().map(|t| t.1).collect();
         assert_eq!(labels, ["0.0001", "0.001", "0.01", "0.1"]);
         assert!(ruler.place(0.0).is_nan());
+        let narrow = Ruler::logarithmic("n").from(19.0, 42.0);
+        let labels: Vec<String> =
+            narrow.ticks(&narrow.axis([].into_iter()), 5).into_iter().map(|t| t.1).collect();
+        assert_eq!(labels, ["20", "30", "40"]);
     }
 
     #[test]

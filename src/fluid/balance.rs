@@ -61,6 +61,7 @@ impl<const D: usize> Flow<D> {
                 side.density = state.density(p - sum / volume, own.rest_density, c);
                 side.pressure = state.pressure(side.density, own.rest_density, c);
                 side.volume = own.mass / side.density;
+                side.invert();
             }
         }
     }
@@ -101,7 +102,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Calls `see(i, j, x_i - x_j, F)` for every fluid particle i and all its neighbours j.
-    fn each_way(&self, mut see: impl FnMut(usize, usize, Vector<D>, f64)) {
+    pub(super) fn each_way(&self, mut see: impl FnMut(usize, usize, Vector<D>, f64)) {
         for block in &self.blocks {
             for row in 0..block.near_solid.len() {
                 let i = block.first + row;

@@ -2,10 +2,11 @@
 
 use rayon::prelude::*;
 
+use crate::fluid::candidates::{Candidates, TURNED};
 use crate::fluid::domain::{Domain, Shortest};
 use crate::fluid::kernel::Kernel;
-use crate::fluid::neighbours::Grid;
 use crate::fluid::particles::Side;
+use crate::fluid::wide::fill_lists;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,8 @@ pub struct Contact<const D: usize> {
     pub weight: f64,
     /// F of the shift's own kernel, zero without a shift.
     pub f_shift: f64,
+    /// 1/|x|², m^-2.
+    pub inverse_square: f64,
     pub j: u32,
 }
 
@@ -28,9 +31,6 @@ struct Seen<const D: usize> {
     j: u32,
 }
 
-/// Marks a candidate that is seen round a periodic axis; fewer than 2^31 particles fit any memory of today.
-const TURNED: u32 = 1 << 31;
-
 /// Lists of candidates, one a particle of a block, and those of them within the cut-off.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Rows<const D: usize> {
@@ -38,12 +38,16 @@ pub struct Rows<const D: usize> {
     list: Vec<u32>,
     #[serde(skip)]
     contact_ends: Vec<u32>,
-    /// Of the contacts; of this and the next two the first `contact_ends.last()` are in use.
+    /// Of the contacts; of this and the next three the first `contact_ends.last()` are in use.
     #[serde(skip)]
     seen: Vec<Seen<D>>,
     /// r² until weighed, then [`Contact::weight`]; apart from `seen` so that kernels are evaluated many at a time.
     #[serde(skip)]
     weights: Vec<f64>,
+    /// 1/r², m^-2.
+    #[serde(skip)]
+    inverse_squares: Vec<f64>,
+    /// F of the shift's own kernel; empty without a shift.
     #[serde(skip)]
     shifts: Vec<f64>,
 }
@@ -54,26 +58,38 @@ impl<const D: usize> Rows<D> {
     pub fn row(&self, row: usize) -> impl Iterator<Item = Contact<D>> + '_ {
         let start = if row == 0 { 0 } else { self.contact_ends[row - 1] as usize };
         let mine = start..self.contact_ends[row] as usize;
-        let (seen, weights, shifts) =
-            (&self.seen[mine.clone()], &self.weights[mine.clone()], &self.shifts[mine]);
-        seen.iter().zip(weights).zip(shifts).map(|((seen, &weight), &f_shift)| Contact {
+        let (seen, weights, inverse_squares) =
+            (&self.seen[mine.clone()], &self.weights[mine.clone()], &self.inverse_squares[mine.clone()]);
+        let shifts = self.shifts.get(mine).unwrap_or(&[]);
+        let all = seen.iter().zip(weights).zip(inverse_squares).enumerate();
+        all.map(|(n, ((seen, &weight), &inverse_square))| Contact {
             x: seen.x,
             weight,
-            f_shift,
+            f_shift: shifts.get(n).copied().unwrap_or(0.0),
+            inverse_square,
             j: seen.j,
         })
     }
 
-    /// Puts F in the place of r², and F of the shift's kernel beside it.
+    /// Puts F in the place of r², and beside it 1/r² and F of the shift's kernel.
     #[inline(always)]
     fn weigh(&mut self, kernel: &Kernel<D>, shift: Option<&Kernel<D>>) {
         let count = self.contacts() as usize;
-        let (weights, shifts) = (&mut self.weights[..count], &mut self.shifts[..count]);
+        let (weights, inverse_squares) = (&mut self.weights[..count], &mut self.inverse_squares[..count]);
+        if shift.is_some() && self.shifts.len() < count {
+            self.shifts.reserve_exact(inverse_squares.len() - self.shifts.len());
+            self.shifts.resize(count, 0.0);
+        }
         // As many at a time as stay near at hand.
-        for (weights, shifts) in weights.chunks_mut(256).zip(shifts.chunks_mut(256)) {
-            weights.iter_mut().for_each(|weight| *weight = weight.sqrt());
+        const MANY: usize = 256;
+        let all = weights.chunks_mut(MANY).zip(inverse_squares.chunks_mut(MANY)).enumerate();
+        for (n, (weights, inverse_squares)) in all {
+            for (weight, inverse_square) in weights.iter_mut().zip(inverse_squares) {
+                *inverse_square = 1.0 / *weight;
+                *weight = weight.sqrt();
+            }
             if let Some(shift) = shift {
-                shift.fs(weights, shifts);
+                shift.fs(weights, &mut self.shifts[n * MANY..][..weights.len()]);
             }
             kernel.fs_in_place(weights);
         }
@@ -97,11 +113,6 @@ impl<const D: usize> Rows<D> {
     fn clear(&mut self) {
         self.ends.clear();
         self.list.clear();
-    }
-
-    /// Lists particle `j`, seen round a periodic axis if `turned`.
-    fn push(&mut self, j: usize, turned: bool) {
-        self.list.push(j as u32 | if turned { TURNED } else { 0 });
     }
 
     fn end_row(&mut self) {
@@ -128,7 +139,7 @@ impl<const D: usize> Rows<D> {
                 let length = needed + 256;
                 self.seen.reserve_exact(length - self.seen.len());
                 self.seen.resize(length, Seen { x: Vector::zeros(), j: 0 });
-                for weights in [&mut self.weights, &mut self.shifts] {
+                for weights in [&mut self.weights, &mut self.inverse_squares] {
                     weights.reserve_exact(length - weights.len());
                     weights.resize(length, 0.0);
                 }
@@ -208,57 +219,52 @@ impl<const D: usize> Block<D> {
     }
 
     /// Fills the lists: a fluid particle sees everyone, a solid one only fluid.
-    fn fill(
+    #[inline(always)]
+    pub(super) fn fill(
         &mut self,
-        grid: &Grid<D>,
+        all: &Candidates<D>,
         positions: &[Vector<D>],
         sides: &[Side<D>],
         solids: bool,
         mutual: bool,
     ) {
         let mine = self.first..(self.first + Self::SIZE).min(positions.len());
+        let mut found = Vec::new();
         self.walls.clear();
         self.near_solid.clear();
         for i in mine.clone() {
             let solid = sides[i].is_solid();
             let before = self.walls.list.len();
             if solids {
-                grid.for_each_candidate(&positions[i], positions, |j, _| {
-                    if sides[j].is_solid() != solid {
-                        self.walls.push(j, false);
-                    }
-                });
+                let other = |&j: &u32| sides[(j & !TURNED) as usize].is_solid() != solid;
+                self.walls.list.extend(all.near(&positions[i], &mut found).iter().copied().filter(other));
             }
             self.walls.end_row();
             self.near_solid.push(!solid && self.walls.list.len() > before);
         }
-        self.fill_fluid(mine, grid, positions, sides, mutual);
-    }
-
-    /// Fills the lists of pairs of fluid particles.
-    fn fill_fluid(
-        &mut self,
-        mine: std::ops::Range<usize>,
-        grid: &Grid<D>,
-        positions: &[Vector<D>],
-        sides: &[Side<D>],
-        mutual: bool,
-    ) {
         self.inner.clear();
         self.outer.clear();
+        let (mut inner, mut outer) = (Vec::new(), Vec::new());
         for i in mine.clone() {
-            let alone = !mutual || self.near_solid[i - mine.start];
             if !sides[i].is_solid() {
-                grid.for_each_candidate(&positions[i], positions, |j, turned| {
-                    if j == i || sides[j].is_solid() {
-                        return;
-                    }
-                    if alone || !mine.contains(&j) || self.near_solid[j - mine.start] {
-                        self.outer.push(j, turned);
-                    } else if j > i {
-                        self.inner.push(j, turned);
-                    }
-                });
+                let alone = !mutual || self.near_solid[i - mine.start];
+                let near = all.near(&positions[i], &mut found);
+                if inner.len() < near.len() {
+                    inner.resize(near.len(), 0);
+                    outer.resize(near.len(), 0);
+                }
+                let (mut once, mut twice) = (0, 0);
+                for &candidate in near {
+                    let j = (candidate & !TURNED) as usize;
+                    let fluid = j != i && !(solids && sides[j].is_solid());
+                    let shared = !alone && mine.contains(&j) && !(solids && self.near_solid[j - mine.start]);
+                    // Written always, kept where it belongs: no branch to be guessed.
+                    (inner[once], outer[twice]) = (candidate, candidate);
+                    once += usize::from(fluid & shared & (j > i));
+                    twice += usize::from(fluid & !shared);
+                }
+                self.inner.list.extend_from_slice(&inner[..once]);
+                self.outer.list.extend_from_slice(&outer[..twice]);
             }
             self.inner.end_row();
             self.outer.end_row();
@@ -276,12 +282,12 @@ pub fn build_blocks<const D: usize>(
     cutoff: f64,
     mutual: bool,
 ) {
-    let grid = Grid::build(positions, domain, cutoff);
+    let all = Candidates::new(positions, domain, cutoff);
     let solids = sides.iter().any(Side::is_solid);
     blocks.resize_with(positions.len().div_ceil(Block::<D>::SIZE), Block::default);
     blocks.par_iter_mut().enumerate().for_each(|(k, block)| {
         block.first = k * Block::<D>::SIZE;
-        block.fill(&grid, positions, sides, solids, mutual);
+        fill_lists(block, &all, positions, sides, solids, mutual);
     });
 }
 

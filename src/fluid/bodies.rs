@@ -153,7 +153,7 @@ impl<const D: usize> Flow<D> {
                     else {
                         continue;
                     };
-                    let pair = Pair { x: c.x, f: c.weight, f_shift: c.f_shift };
+                    let pair = Pair::new(&c);
                     let rub = SHOWN
                         * a
                         * self.terms.rub::<true>(makeup, &pair, side, solid)
@@ -218,7 +218,7 @@ impl<const D: usize> Flow<D> {
         RunError::BlowUp {
             step: self.steps,
             time: self.time,
-            particle: self.own[i as usize].id as usize,
+            particle: self.sides[i as usize].id as usize,
             quantity,
             value,
             remedy:

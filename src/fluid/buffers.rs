@@ -18,14 +18,14 @@ impl<const D: usize> Flow<D> {
         openings.rim.clear();
         openings.marked = vec![false; self.sides.len()];
         openings.touched = vec![false; self.blocks.len()];
-        for (i, own) in self.own.iter().enumerate() {
-            match openings.zones[own.id as usize] {
+        for (i, side) in self.sides.iter().enumerate() {
+            match openings.zones[side.id as usize] {
                 Zone::Buffer(end) => {
                     openings.buffer.push((i as u32, end));
                     openings.marked[i] = true;
                     openings.touched[i / Block::<D>::SIZE] = true;
                 }
-                Zone::Inside if !self.sides[i].is_solid() => {
+                Zone::Inside if !side.is_solid() => {
                     let close = |end: u8| {
                         matches!(openings.open.ends[usize::from(end)], End::Velocity(_))
                             && self.beyond(axis, end, &self.positions[i]) > -near
@@ -110,6 +110,7 @@ impl<const D: usize> Flow<D> {
             side.density = state.density(pressure, own.rest_density, c);
             side.pressure = pressure;
             side.volume = own.mass / side.density;
+            side.invert();
             // Its neighbourhood ends with the buffer; that of the fluid before it does not.
             side.moment = Symmetric::identity(1.0);
         }
@@ -146,7 +147,6 @@ impl<const D: usize> Flow<D> {
                 }
             }
         }
-        let mut furthest = 0.0_f64;
         for &i in &openings.rim {
             let place = self.positions[i as usize];
             for (end, kind) in (0_u8..).zip(&openings.open.ends) {
@@ -157,12 +157,10 @@ impl<const D: usize> Flow<D> {
                         stream(&self.domain.wrap(&place), time)[axis] * if end == 0 { 1.0 } else { -1.0 };
                     if inward > 0.0 {
                         self.positions[i as usize][axis] += 2.0 * if end == 0 { out } else { -out };
-                        furthest = furthest.max(2.0 * out);
                     }
                 }
             }
         }
-        self.travel += furthest;
         self.openings = Some(openings);
     }
 }

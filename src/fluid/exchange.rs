@@ -4,6 +4,8 @@ use crate::chemistry::Links;
 use crate::fluid::domain::Domain;
 use crate::fluid::kernel::Kernel;
 use crate::fluid::neighbours::Grid;
+use crate::fluid::outline::Behind;
+use crate::fluid::surface::{Facing, NEAREST};
 use crate::fluid::weights::Weights;
 use crate::vector::Vector;
 
@@ -31,59 +33,122 @@ pub struct Barrier {
     pub at: f64,
 }
 
+/// Who exchanges how much, and what of it passes the surfaces of obstacles.
+#[derive(Clone, Debug, Default)]
+pub struct Exchange {
+    pub links: Links,
+    /// What each voxel faces of the lower and the upper side of each axis, one after the other, m²: zero on periodic
+    /// axes. [`surface::side`](crate::fluid::surface::side) makes it fit the side.
+    pub sides: Vec<Vec<f64>>,
+    /// The voxels that face each of the obstacles, in order.
+    pub obstacles: Vec<Vec<Facing>>,
+}
+
 /// Links with the conductance G_ij = 2 V_i V_j F_ij · 2/(alpha_i + alpha_j) · thickness, m, where
 /// alpha_i = (1/D) Σ_j V_j F_ij r_ij² over the neighbours i exchanges with.
 ///
 /// `thickness` is the extent of the directions that are not simulated, m^(3-D). alpha is the ratio of the
 /// diffusivity of the plain SPH Laplacian to the true one; dividing by the mean of the pair keeps G symmetric
 /// (to the bit) and positive, which detailed balance and whole molecules need. Sides of the box that are not
-/// periodic reflect: each neighbour also counts by its mirror images, which keeps conductances right up to the
-/// side. Rows are sorted by index; no link where a side is no host or a barrier stands between. A periodic axis
-/// must be two cut-offs long. Other [`Weights`] than the normalised ones change F or leave the division out.
+/// periodic and the outlines of obstacles reflect: each neighbour also counts by its mirror images, which keeps
+/// conductances right up to the surface. Rows are sorted by index; no link where a side is no host or a barrier
+/// stands between. A periodic axis must be two cut-offs long. Other [`Weights`] than the normalised ones change F
+/// or leave the division out.
 ///
 /// Among disordered neighbours a linear profile is not at rest, and diffusion is slowed by some per cent (most
 /// on a line, where conductances stand in series). The normalised weights are therefore tilted once towards the
 /// thinner side, F_ij (1 + (b_i - b_j)·x_ij), b_i = -Σ_j V_j F_ij x_ij / alpha_i with x_ij = x_j - x_i, so that
 /// Σ_j G_ij x_ij all but vanishes; this is as symmetric as F, and kept positive. On a lattice b is zero. Next to
-/// what no molecule enters there is no balance to restore, and b is zero too.
+/// what no molecule enters and no image stands for there is no balance to restore, and b is zero too.
+///
+/// What reflects a voxel faces by the areas of [`surface`](crate::fluid::surface).
 #[must_use]
-pub fn links<const D: usize>(
+pub fn exchange<const D: usize>(
     voxels: &Voxels<D>,
     kernel: &Kernel<D>,
     weights: Weights,
     thickness: f64,
-) -> Links {
-    let Voxels { volumes, hosts, .. } = *voxels;
+) -> Exchange {
+    let Voxels { volumes, hosts, domain, .. } = *voxels;
     let n = voxels.positions.len().min(volumes.len()).min(hosts.len());
     let (places, original) = voxels.with_images(n, kernel.cutoff());
-    let grid = Grid::build(&places, voxels.domain, kernel.cutoff());
+    let grid = Grid::build(&places, domain, kernel.cutoff());
+    let outlines = voxels.outlines(n, kernel.cutoff());
+    let weight = |r2: f64| kernel.f(r2.sqrt()) * weights.factor(r2, kernel.cutoff());
     // Each pair of places once, and what it adds to alpha and to the pull of the neighbours.
     let mut met: Vec<Met<D>> = Vec::with_capacity(16 * n);
+    let mut behind: Vec<Behind<D>> = Vec::new();
     let mut alpha = vec![0.0; n];
     let mut pull = vec![Vector::<D>::zeros(); n];
     let mut open = hosts[..n].to_vec();
-    for i in (0..n).filter(|&i| hosts[i]) {
-        let start = met.len();
-        grid.for_each_near(&places[i], &places, |image, x, r2| {
-            let j = original[image] as usize;
-            if image == i {
-                return;
-            }
-            let passes = hosts[j] && !voxels.separated(&places[i], &x);
-            if !passes || voxels.obstructed(&places[i], &x, kernel.cutoff()) {
-                open[i] &= voxels.domain.is_beyond(&places[image]); // images stand for the walls round the box
-                return;
-            }
-            let f = kernel.f(r2.sqrt()) * weights.factor(r2, kernel.cutoff());
-            if f > 0.0 {
-                alpha[i] += volumes[j] * f * r2 / D as f64;
-                pull[i] += x * (volumes[j] * f);
-                if j >= i {
-                    met.push(Met { i: i as u32, j: j as u32, image: image as u32, f, x });
-                }
+    // Images stand for the walls round the box and for what fills obstacles.
+    let closing =
+        |j: usize| !(hosts[j] || domain.is_beyond(&places[j]) || outlines.iter().any(|o| o.holds(j)));
+    for j in (0..n).filter(|&j| closing(j)) {
+        grid.for_each_near(&places[j], &places, |i, _, _| {
+            if i < n {
+                open[i] = false;
             }
         });
-        met[start..].sort_by_key(|pair| pair.j);
+    }
+    for i in (0..n).filter(|&i| hosts[i]) {
+        let start = met.len();
+        let (mut own_alpha, mut own_pull) = (0.0, Vector::<D>::zeros());
+        for outline in &outlines {
+            if let Some(mirror) = outline.mirror(i) {
+                let back = Behind::own(i, mirror, outline, weight);
+                own_alpha += volumes[i] * back.f[0] * back.x[0].norm_squared() / D as f64;
+                own_pull += back.x[0] * (volumes[i] * back.f[0]);
+                behind.push(back);
+            }
+        }
+        grid.for_each_near_after(&places[i], &places, i + 1, |image, x, r2| {
+            let j = original[image] as usize;
+            if j < i || !hosts[j] {
+                return;
+            }
+            if voxels.separated(&places[i], &x) {
+                open[i] = false;
+                open[j] = false;
+                return;
+            }
+            if outlines.iter().any(|outline| outline.blocks(i, &places[i], &x, r2)) {
+                return;
+            }
+            let f = weight(r2);
+            if f > 0.0 {
+                met.push(Met { i: i as u32, j: j as u32, image: image as u32, f, x });
+            }
+        });
+        let row = &mut met[start..];
+        row.sort_unstable_by_key(|pair| (pair.j, pair.image));
+        for (k, pair) in row.iter().enumerate() {
+            let (j, x) = (pair.j as usize, pair.x);
+            let r2 = x.norm_squared();
+            own_alpha += volumes[j] * pair.f * r2 / D as f64;
+            own_pull += x * (volumes[j] * pair.f);
+            let turn = |v: &Vector<D>| mirrored(v, &places[pair.image as usize], &places[j], domain);
+            if i != j {
+                alpha[j] += volumes[i] * pair.f * r2 / D as f64;
+                pull[j] -= turn(&x) * (volumes[i] * pair.f);
+            }
+            for outline in &outlines {
+                let (Some(here), Some(there)) = (outline.mirror(i), outline.mirror(j)) else { continue };
+                if i == j {
+                    continue; // an image of its own image adds a link to itself
+                }
+                let there = there.leaning(turn(&there.normal));
+                let back = Behind::of((start + k) as u32, pair, (here, &there), outline, weight);
+                let Some(back) = back else { continue };
+                own_alpha += volumes[j] * back.f[0] * back.x[0].norm_squared() / D as f64;
+                own_pull += back.x[0] * (volumes[j] * back.f[0]);
+                alpha[j] += volumes[i] * back.f[1] * back.x[1].norm_squared() / D as f64;
+                pull[j] -= turn(&back.x[1]) * (volumes[i] * back.f[1]);
+                behind.push(back);
+            }
+        }
+        alpha[i] += own_alpha;
+        pull[i] += own_pull;
     }
     if weights == Weights::Normalised {
         for ((b, alpha), open) in pull.iter_mut().zip(&alpha).zip(&open) {
@@ -93,7 +158,7 @@ pub fn links<const D: usize>(
         for pair in &mut met {
             let (i, j) = (pair.i as usize, pair.j as usize);
             // An image leans the other way along each axis in which it is mirrored.
-            let other = mirrored(&pull[j], &places[pair.image as usize], &places[j], voxels.domain);
+            let other = mirrored(&pull[j], &places[pair.image as usize], &places[j], domain);
             pair.f *= (1.0 - (pull[i] - other).dot(&pair.x)).max(LEAST);
             let r2 = pair.x.norm_squared();
             alpha[i] += volumes[j] * pair.f * r2 / D as f64;
@@ -101,39 +166,97 @@ pub fn links<const D: usize>(
                 alpha[j] += volumes[i] * pair.f * r2 / D as f64;
             }
         }
+        for back in &mut behind {
+            let (i, j) = (back.i as usize, back.j as usize);
+            let other = back.met.map_or(pull[j], |k| {
+                mirrored(&pull[j], &places[met[k as usize].image as usize], &places[j], domain)
+            });
+            back.tilt(&pull[i], &other);
+            alpha[i] += volumes[j] * back.f[0] * back.x[0].norm_squared() / D as f64;
+            if i != j {
+                alpha[j] += volumes[i] * back.f[1] * back.x[1].norm_squared() / D as f64;
+            }
+        }
+    }
+    let conductance = |i: usize, j: usize, f: f64| {
+        f * (2.0 * (volumes[i] * volumes[j]) * weights.over_bias(alpha[i], alpha[j]) * thickness)
+    };
+    let mut sides = vec![vec![0.0; n]; 2 * D];
+    for pair in met.iter().filter(|pair| pair.image as usize >= n) {
+        let (i, j, there) = (pair.i as usize, pair.j as usize, &places[pair.image as usize]);
+        let g = conductance(i, j, pair.f);
+        for k in (0..D).filter(|&k| !domain.periodic[k]) {
+            for (side, beyond, within) in [
+                (2 * k, domain.min[k] - there[k], places[i][k] - domain.min[k]),
+                (2 * k + 1, there[k] - domain.max[k], domain.max[k] - places[i][k]),
+            ] {
+                if beyond > 0.0 {
+                    sides[side][i] += g * 2.0 * beyond;
+                    if i != j {
+                        sides[side][j] += g * 2.0 * within;
+                    }
+                }
+            }
+        }
+    }
+    let mut areas: Vec<Vec<f64>> = outlines.iter().map(|outline| vec![0.0; outline.mirrors()]).collect();
+    for back in &behind {
+        let (i, j) = (back.i as usize, back.j as usize);
+        let g = conductance(i, j, back.mean());
+        let outline = &outlines[back.outline as usize];
+        if let (Some(here), Some(there)) = (outline.rank(i), outline.rank(j)) {
+            let areas = &mut areas[back.outline as usize];
+            areas[here] += g * back.depth[1];
+            if i != j {
+                areas[there] += g * back.depth[0];
+            }
+        }
+        if let Some(k) = back.met {
+            met[k as usize].f += back.mean();
+        }
     }
     // Pairs i < j with F summed over the images of j; what a voxel would exchange with its own image is nothing.
-    let mut pairs: Vec<(u32, u32, f64)> =
-        met.iter().filter(|pair| pair.i != pair.j).map(|pair| (pair.i, pair.j, pair.f)).collect();
-    drop(met);
-    pairs.dedup_by(|next, kept| {
-        let same = (next.0, next.1) == (kept.0, kept.1);
-        if same {
-            kept.2 += next.2;
+    let mut pairs: Vec<(u32, u32, f64)> = Vec::with_capacity(met.len());
+    for pair in met.iter().filter(|pair| pair.i != pair.j) {
+        match pairs.last_mut() {
+            Some(last) if (last.0, last.1) == (pair.i, pair.j) => last.2 += pair.f,
+            _ => pairs.push((pair.i, pair.j, pair.f)),
         }
-        same
-    });
-    for (i, j, f) in &mut pairs {
-        let (i, j) = (*i as usize, *j as usize);
-        *f *= 2.0 * (volumes[i] * volumes[j]) * weights.over_bias(alpha[i], alpha[j]) * thickness;
     }
-    both_ways(n, &pairs)
+    for (i, j, f) in &mut pairs {
+        *f = conductance(*i as usize, *j as usize, *f);
+    }
+    let nearest = NEAREST * kernel.cutoff();
+    let obstacles =
+        outlines.iter().zip(&areas).map(|(outline, areas)| outline.facing(areas, nearest)).collect();
+    Exchange { links: both_ways(n, &pairs), sides, obstacles }
+}
+
+/// The [`Links`] of [`exchange`].
+#[must_use]
+pub fn links<const D: usize>(
+    voxels: &Voxels<D>,
+    kernel: &Kernel<D>,
+    weights: Weights,
+    thickness: f64,
+) -> Links {
+    exchange(voxels, kernel, weights, thickness).links
 }
 
 /// alpha from which on a voxel has neighbours on all sides; where they end at empty space it is below 0.7.
 const WHOLE: f64 = 0.75;
 
 /// Least factor by which the balance of disordered neighbours lowers a weight.
-const LEAST: f64 = 0.1;
+pub(super) const LEAST: f64 = 0.1;
 
-/// A voxel i and a neighbour at a place, its own or that of an image.
-struct Met<const D: usize> {
-    i: u32,
-    j: u32,
+/// A voxel i and a neighbour j >= i at a place, its own or that of an image beyond a side.
+pub(super) struct Met<const D: usize> {
+    pub i: u32,
+    pub j: u32,
     image: u32,
     f: f64,
     /// x_i less the place of the neighbour, m.
-    x: Vector<D>,
+    pub x: Vector<D>,
 }
 
 /// The vector of particle j as its image at `image` has it.
@@ -199,13 +322,6 @@ impl<const D: usize> Voxels<'_, D> {
             }
         }
         (places, original)
-    }
-
-    /// Whether the way -x from a place leads through an obstacle, judged at its quarters.
-    pub(super) fn obstructed(&self, from: &Vector<D>, x: &Vector<D>, cutoff: f64) -> bool {
-        self.obstacles.iter().any(|distance| {
-            [0.25, 0.5, 0.75].iter().any(|&part| distance(&(from - x * part)) < -1e-9 * cutoff)
-        })
     }
 
     /// Whether the way -x from a place crosses a barrier.

@@ -46,6 +46,7 @@ impl<const D: usize> Flow<D> {
             side.density = density;
             side.pressure = self.setup.state.pressure(density, own.rest_density, self.sound_speed);
             side.volume = own.mass / density;
+            side.invert();
         }
     }
 }

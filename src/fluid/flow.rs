@@ -40,12 +40,18 @@ pub struct Flow<const D: usize> {
     pub(super) openings: Option<Openings<D>>,
     /// Bodies whose reaction is asked for.
     pub(super) asks: Vec<bool>,
-    /// Bound on how far any particle moved since the lists were built, m.
+    /// Where the particles were when the lists were built, m.
+    pub(super) listed: Vec<Vector<D>>,
+    /// How far fluid is at most from there at the last drift, m.
+    pub(super) strayed: f64,
+    /// Bound on how far solids moved since, m.
     pub(super) travel: f64,
     pub(super) time: f64,
     pub(super) steps: u64,
     /// Step the noise in the accelerations was drawn for, s.
     pub(super) noise_step: f64,
+    /// The step that is or was last taken, s.
+    pub(super) step_length: f64,
 }
 
 /// What the steps need of the setup.
@@ -92,21 +98,19 @@ impl<const D: usize> Flow<D> {
     ///
     /// # Errors
     /// As [`Flow::new`].
-    pub fn with_ends(setup: Setup<D>, open: Option<Open<D>>) -> Result<Flow<D>, RunError> {
+    pub fn with_ends(mut setup: Setup<D>, open: Option<Open<D>>) -> Result<Flow<D>, RunError> {
         setup.check()?;
+        if setup.pressure_scale.is_none() {
+            // What is prescribed at the ends is a pressure to be expected too.
+            let prescribed = open.as_ref().map_or(0.0, Open::largest_pressure);
+            setup.pressure_scale = Some(setup.expected_pressure().max(prescribed));
+        }
         let openings = open.map(|open| Openings::new(open, &setup));
         let sound_speed = setup.sound_speed.unwrap_or_else(|| setup.automatic_sound_speed());
         let (h, shift) = (setup.cutoff, setup.shift());
         let options = &setup.options;
         let courant = options.courant.unwrap_or(if shift > 5.0 { 1.0 / shift } else { 0.2 });
-        let lightest = setup.bodies.iter().fold(f64::INFINITY, |rho, body| match body.kind {
-            BodyKind::Fluid { density, .. } => density.min(rho),
-            BodyKind::Solid { .. } => rho,
-        });
-        let stickiest = setup.bodies.iter().fold(0.0_f64, |mu, body| match body.kind {
-            BodyKind::Fluid { viscosity, .. } => mu.max(viscosity),
-            BodyKind::Solid { .. } => mu,
-        });
+        let (lightest, stickiest) = setup.lightest_and_stickiest();
         let terms = terms(&setup);
         let (mut positions, mut sides, mut own) = (Vec::new(), Vec::new(), Vec::new());
         for (id, placed) in setup.particles.iter().enumerate() {
@@ -122,6 +126,8 @@ impl<const D: usize> Flow<D> {
                 drift: Vector::zeros(),
                 density,
                 volume: placed.volume,
+                inverse_density: 1.0 / density,
+                inverse_root: 1.0 / placed.volume.sqrt(),
                 id: id as u32,
                 material,
                 body: placed.body,
@@ -132,7 +138,6 @@ impl<const D: usize> Flow<D> {
                 reach: 0.0,
             });
             own.push(Own {
-                id: id as u32,
                 mass: density * placed.volume,
                 rest_density: density,
                 start: placed.position,
@@ -184,10 +189,13 @@ impl<const D: usize> Flow<D> {
             solids: Vec::new(),
             openings,
             asks,
+            listed: Vec::new(),
+            strayed: 0.0,
             travel: 0.0,
             time: 0.0,
             steps: 0,
             noise_step: 0.0,
+            step_length: 0.0,
         };
         flow.weigh_bodies();
         flow.carry_solids();
@@ -218,19 +226,26 @@ impl<const D: usize> Flow<D> {
                 side.velocity = velocity(&self.domain.wrap(position));
             }
         }
-        self.carry_solids();
-        self.densities();
-        self.moments();
-        self.mirrors();
+        // What walls do here is no step.
+        let tally = self.tally.clone();
+        self.see();
         // The random velocities of a start in thermal motion have no pressure of their own, and open ends set it.
         if self.terms.noise.is_none() && self.openings.is_none() {
             self.balance_pressure();
+            self.see();
         }
-        self.carry_solids();
-        self.densities();
-        self.mirrors();
         self.forces(0.0);
         self.finish(0.0);
+        self.tally = tally;
+    }
+
+    /// What particles show to their neighbours as they are now.
+    fn see(&mut self) {
+        self.carry_solids();
+        self.densities();
+        self.moments();
+        self.densities_at_ends();
+        self.mirrors();
     }
 
     /// Sets the acceleration (m/s²) of every fluid particle besides gravity, by its number in
@@ -240,7 +255,7 @@ impl<const D: usize> Flow<D> {
             if side.is_solid() {
                 continue;
             }
-            let lift = of(own.id as usize);
+            let lift = of(side.id as usize);
             own.acceleration += lift - own.lift;
             own.lift = lift;
         }

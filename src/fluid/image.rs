@@ -14,18 +14,22 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
+/// Of an open flow, by number of the particle: where it is, how often it came in and by which end.
+type Ends = (Vec<Zone>, Vec<(u32, u8)>);
+
 /// The state of a flow between two steps; what follows from its setup is left out.
 #[derive(Serialize, Deserialize)]
 pub struct Image<'a, const D: usize> {
     positions: Cow<'a, [Vector<D>]>,
+    /// Where the particles were when the lists were built, m.
+    listed: Cow<'a, [Vector<D>]>,
     sides: Cow<'a, [Side<D>]>,
     own: Cow<'a, [Own<D>]>,
     blocks: Cow<'a, [Block<D>]>,
     tally: Tally,
     /// Body by body, those that the fluid moves.
     free: Vec<Option<Rigid<D>>>,
-    /// Of an open flow, by number of the particle: where it is, how often it came in and by which end.
-    open: Option<(Vec<Zone>, Vec<(u32, u8)>)>,
+    open: Option<Ends>,
     travel: f64,
     time: f64,
     steps: u64,
@@ -42,6 +46,7 @@ impl<const D: usize> Flow<D> {
         };
         Image {
             positions: Cow::Borrowed(&self.positions),
+            listed: Cow::Borrowed(&self.listed),
             sides: Cow::Borrowed(&self.sides),
             own: Cow::Borrowed(&self.own),
             blocks: Cow::Borrowed(&self.blocks),
@@ -60,6 +65,7 @@ impl<const D: usize> Flow<D> {
     pub fn restore(&mut self, image: Image<D>) -> Option<()> {
         let n = self.positions.len();
         let fits = image.positions.len() == n
+            && image.listed.len() == n
             && image.sides.len() == n
             && image.own.len() == n
             && image.blocks.len() == self.blocks.len()
@@ -73,6 +79,7 @@ impl<const D: usize> Flow<D> {
             return None;
         }
         self.positions = image.positions.into_owned();
+        self.listed = image.listed.into_owned();
         self.sides = image.sides.into_owned();
         self.own = image.own.into_owned();
         self.blocks = image.blocks.into_owned();
@@ -91,7 +98,6 @@ impl<const D: usize> Flow<D> {
         self.noise_step = image.noise_step;
         self.solids = (0..n as u32).filter(|&i| self.sides[i as usize].is_solid()).collect();
         self.note_ends();
-        self.find_contacts();
         Some(())
     }
 

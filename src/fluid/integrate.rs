@@ -10,7 +10,8 @@ use crate::fluid::blocks::{Block, build_blocks};
 use crate::fluid::flow::Flow;
 use crate::fluid::mirror::{Continuation, Moving, mirror};
 use crate::fluid::order::along_a_curve;
-use crate::fluid::pass::sweep_reactions;
+use crate::fluid::particles::Side;
+use crate::fluid::pass::{Rates, sweep_reactions};
 use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
 use crate::fluid::terms::continuity::corrected_rate;
@@ -31,8 +32,29 @@ impl<const D: usize> Flow<D> {
     /// [`RunError::BlowUp`] when a density leaves 80-120 % of its rest value, a number is lost, or a particle
     /// leaves the box through a wall.
     pub fn advance(&mut self, dt: f64, steps: u64) -> Result<(), RunError> {
+        self.advance_until(dt, steps, &|| false).map(drop)
+    }
+
+    /// As [`Flow::advance`], but ends before the step at which `stop` says so; the number of steps taken.
+    ///
+    /// # Errors
+    /// As [`Flow::advance`].
+    pub fn advance_until(
+        &mut self,
+        dt: f64,
+        steps: u64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<u64, RunError> {
         // On a thread of the pool from the start, so that no sweep has to wake one for itself.
-        rayon::scope(|_| (0..steps).try_for_each(|_| self.step(dt)))
+        rayon::scope(|_| {
+            for taken in 0..steps {
+                if stop() {
+                    return Ok(taken);
+                }
+                self.step(dt)?;
+            }
+            Ok(steps)
+        })
     }
 
     /// Advances by `duration` (s) in equal steps of at most the step limit, up to t = 0: until then walls that
@@ -41,16 +63,30 @@ impl<const D: usize> Flow<D> {
     /// # Errors
     /// As [`Flow::advance`].
     pub fn settle(&mut self, duration: f64) -> Result<(), RunError> {
+        self.settle_until(duration, &|| false).map(drop)
+    }
+
+    /// As [`Flow::settle`], but ends before the step at which `stop` says so; whether it came to t = 0.
+    ///
+    /// # Errors
+    /// As [`Flow::advance`].
+    pub fn settle_until(
+        &mut self,
+        duration: f64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<bool, RunError> {
         if duration <= 0.0 {
-            return Ok(());
+            return Ok(true);
         }
         let steps = (duration / self.step_limit().seconds).ceil().max(1.0);
         self.time = -duration;
         self.hold_bodies();
-        self.advance(duration / steps, steps as u64)?;
+        if self.advance_until(duration / steps, steps as u64, stop)? < steps as u64 {
+            return Ok(false);
+        }
         self.time = 0.0;
         self.release_bodies();
-        Ok(())
+        Ok(true)
     }
 
     /// Kick, drift, density, walls, forces, bounce, kick.
@@ -58,12 +94,13 @@ impl<const D: usize> Flow<D> {
         if self.terms.noise.is_some() && dt != self.noise_step {
             self.redraw(dt);
         }
+        self.step_length = dt;
         self.kick_and_drift(dt);
         self.kick_and_drift_bodies(dt);
         self.time += dt;
         self.steps += 1;
         self.carry_solids();
-        if self.travel > 0.5 * self.setup.skin {
+        if self.travel.max(self.strayed) > 0.5 * self.setup.skin {
             self.pass_ends()?;
             self.check_bodies()?;
             if self.tally.rebuilds.is_multiple_of(SORTING) {
@@ -89,6 +126,8 @@ impl<const D: usize> Flow<D> {
     /// longer one.
     fn redraw(&mut self, dt: f64) {
         self.begin_noise(dt);
+        // At the places of now: those of the last sweep are not kept with a state, and walls moved some particles since.
+        self.find_contacts();
         let (terms, kernel, sides, gravity) = (&self.terms, &self.kernel, &self.sides, self.setup.gravity);
         let asks = &self.asks;
         let asked = asks.iter().any(|&asks| asks);
@@ -102,7 +141,7 @@ impl<const D: usize> Flow<D> {
                     sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
                 }
                 for ((rates, own), side) in rates.iter().zip(own).zip(&sides[block.first..]) {
-                    own.acceleration = rates.force / side.density + gravity + own.lift;
+                    own.acceleration = rates.force * side.inverse_density + gravity + own.lift;
                 }
             });
         self.load_bodies(0.0);
@@ -120,29 +159,31 @@ impl<const D: usize> Flow<D> {
     /// v += dt/2 a, sponges, x += dt (v + w), for the fluid.
     fn kick_and_drift(&mut self, dt: f64) {
         let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
-        let (fastest, transport) = self
+        let (fastest, strayed) = self
             .positions
             .par_chunks_mut(Block::<D>::SIZE)
             .zip(self.sides.par_chunks_mut(Block::<D>::SIZE))
             .zip(self.own.par_chunks(Block::<D>::SIZE))
-            .map(|((positions, sides), own)| {
-                let (mut fastest, mut transport) = (0.0_f64, 0.0_f64);
-                for ((position, side), own) in positions.iter_mut().zip(sides).zip(own) {
+            .zip(self.listed.par_chunks(Block::<D>::SIZE))
+            .map(|(((positions, sides), own), listed)| {
+                let (mut fastest, mut strayed) = (0.0_f64, 0.0_f64);
+                for (((position, side), own), listed) in positions.iter_mut().zip(sides).zip(own).zip(listed)
+                {
                     if side.is_solid() {
                         continue;
                     }
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
-                    let carried = side.velocity + side.drift;
-                    *position += carried * dt;
+                    *position += (side.velocity + side.drift) * dt;
                     fastest = fastest.max(side.velocity.norm_squared());
-                    transport = transport.max(carried.norm_squared());
+                    // From where it was listed, not along its way: noise turns it back again and again.
+                    strayed = strayed.max((*position - listed).norm_squared());
                 }
-                (fastest, transport)
+                (fastest, strayed)
             })
             .reduce(|| (0.0, 0.0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
         self.tally.largest_speed = self.tally.largest_speed.max(fastest.sqrt());
-        self.travel += dt * transport.sqrt();
+        self.strayed = strayed.sqrt();
     }
 
     /// Solids to their place and velocity of now.
@@ -188,13 +229,16 @@ impl<const D: usize> Flow<D> {
 
     /// Builds the lists anew.
     pub(super) fn rebuild(&mut self) {
-        for position in &mut self.positions {
-            *position = self.domain.wrap(position);
-        }
+        let domain = &self.domain;
+        self.positions
+            .par_iter_mut()
+            .with_min_len(4096)
+            .for_each(|position| *position = domain.wrap(position));
         let radius = self.kernel.cutoff() + self.setup.skin;
         let mutual = self.terms.are_mutual();
         build_blocks(&mut self.blocks, &self.positions, &self.sides, &self.domain, radius, mutual);
-        self.travel = 0.0;
+        self.listed.clone_from(&self.positions);
+        (self.travel, self.strayed) = (0.0, 0.0);
         self.tally.rebuilds += 1;
         self.note_ends();
     }
@@ -212,13 +256,9 @@ impl<const D: usize> Flow<D> {
     /// What the sweep of densities leaves for that of forces besides densities: the second moments of the fluid and
     /// the reach of solids.
     pub(super) fn moments(&mut self) {
-        let some = self.terms.moment.is_some();
+        let corrected = self.terms.moment.is_some();
         for (side, rates) in self.sides.iter_mut().zip(&self.rates) {
-            if side.is_solid() {
-                side.reach = rates.density;
-            } else if some {
-                (side.moment, side.uneven) = Moment.correction(&rates.moment);
-            }
+            note(side, rates, corrected);
         }
     }
 
@@ -242,11 +282,13 @@ impl<const D: usize> Flow<D> {
                 let (mut worst, mut fault) = (0.0_f64, None::<(usize, Option<usize>)>);
                 let all = sides.iter_mut().zip(own).zip(rates).zip(positions).enumerate();
                 for (row, (((side, own), rates), place)) in all {
-                    own.fraction = rates.fraction;
+                    note(side, rates, corrected);
                     if side.is_solid() {
-                        side.reach = rates.density;
+                        // A block without fluid in reach is not swept for walls.
+                        own.fraction = 1.0;
                         continue;
                     }
+                    own.fraction = rates.fraction;
                     let mut rate = rates.density;
                     if spread {
                         rate += corrected_rate(side.density, &rates.moment, &rates.spread);
@@ -254,9 +296,7 @@ impl<const D: usize> Flow<D> {
                     side.density += dt * rate - drift * own.rest_density;
                     side.pressure = state.pressure(side.density, own.rest_density, c);
                     side.volume = own.mass / side.density;
-                    if corrected {
-                        (side.moment, side.uneven) = Moment.correction(&rates.moment);
-                    }
+                    side.invert();
                     let change = (side.density / own.rest_density - 1.0).abs();
                     // Without a place there are no neighbours, and so no change of density that could tell.
                     let lost = !place.iter().chain(side.velocity.iter()).all(|x| x.is_finite());
@@ -346,6 +386,7 @@ impl<const D: usize> Flow<D> {
             side.velocity = shown.velocity;
             side.pressure = shown.pressure;
             side.density = state.density(shown.pressure, self.own[i as usize].rest_density, c);
+            side.invert();
         }
     }
 
@@ -364,7 +405,7 @@ impl<const D: usize> Flow<D> {
             spacing: self.setup.spacing,
             closed: self.closed_axes(),
         };
-        let (bounces, penetrations, furthest) = self
+        let (bounces, penetrations) = self
             .blocks
             .par_iter()
             .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
@@ -373,26 +414,24 @@ impl<const D: usize> Flow<D> {
                 if asked {
                     sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
                 }
-                let (mut bounces, mut inside, mut furthest) = (0, 0, 0.0_f64);
+                let (mut bounces, mut inside) = (0, 0);
                 for (row, rates) in rates.iter_mut().enumerate() {
                     if !sides[block.first + row].is_solid() {
                         let result = obstacles.bounce(block, row, rates.fraction, positions, sides);
                         rates.correction = result.correction;
                         bounces += u64::from(result.bounced);
                         inside += u64::from(result.inside);
-                        furthest = furthest.max(result.correction.norm_squared());
                     }
                 }
-                (bounces, inside, furthest)
+                (bounces, inside)
             })
-            .reduce(|| (0, 0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2.max(b.2)));
+            .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         if !self.solids.is_empty() && self.continues_by_parabola() {
             let own = self.own.par_chunks_mut(Block::<D>::SIZE);
             self.blocks.par_iter().zip(own).for_each(|(block, own)| Self::bend(block, own, terms, sides));
         }
         self.tally.bounces += bounces;
         self.tally.penetrations += penetrations;
-        self.travel += furthest.sqrt();
     }
 
     /// Corrected positions, acceleration, v += dt/2 a, sponges, and the shift of the next drift.
@@ -411,7 +450,7 @@ impl<const D: usize> Flow<D> {
                         continue;
                     }
                     *position += rates.correction;
-                    own.acceleration = rates.force / side.density + gravity + own.lift;
+                    own.acceleration = rates.force * side.inverse_density + gravity + own.lift;
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
                     if let Some(shift) = shift {
@@ -429,16 +468,14 @@ impl<const D: usize> Flow<D> {
     fn passage(&self) -> f64 {
         self.kernel.cutoff() / self.setup.reference_speed
     }
+}
 
-    /// The fault of particle `i` (in the present order) at the present step.
-    pub(super) fn blow_up(&self, i: usize, quantity: &str, value: f64) -> RunError {
-        RunError::BlowUp {
-            step: self.steps,
-            time: self.time,
-            particle: self.own[i].id as usize,
-            quantity: quantity.to_owned(),
-            value,
-            remedy: "take a shorter fluid step, or a larger sound speed or pressure scale".to_owned(),
-        }
+/// Takes what the sweep of densities found for that of forces.
+#[inline(always)]
+fn note<const D: usize>(side: &mut Side<D>, rates: &Rates<D>, corrected: bool) {
+    if side.is_solid() {
+        side.reach = rates.density;
+    } else if corrected {
+        (side.moment, side.uneven) = Moment.correction(&rates.moment);
     }
 }

@@ -56,12 +56,6 @@ impl<const D: usize> Kernel<D> {
         self.h
     }
 
-    /// The shape.
-    #[must_use]
-    pub fn kind(&self) -> KernelKind {
-        self.kind
-    }
-
     /// W(r), m^-D; zero from the cut-off on.
     #[inline]
     #[must_use]

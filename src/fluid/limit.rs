@@ -79,7 +79,7 @@ impl<const D: usize> Flow<D> {
             if self.sides[i].is_solid() {
                 none
             } else {
-                Vector::from_fn(|k, _| any(self.own[i].id as usize, k))
+                Vector::from_fn(|k, _| any(self.sides[i].id as usize, k))
             }
         };
         let mut u: Vec<Vector<D>> = (0..n).map(start).collect();
@@ -103,11 +103,6 @@ impl<const D: usize> Flow<D> {
     /// Friction per volume at the velocities `u`, zero for solids.
     fn rub(&self, u: &[Vector<D>], out: &mut [Vector<D>]) {
         let (terms, makeup) = (&self.terms, self.terms.makeup());
-        let friction = |rub: f64, x: &Vector<D>, apart: Vector<D>| {
-            let mut force = Vector::zeros();
-            terms.viscosity.pair(rub, x, &apart, &mut force);
-            force
-        };
         // As the sweep of forces: a block writes to its own particles only.
         self.blocks.par_iter().zip(out.par_chunks_mut(Block::<D>::SIZE)).for_each(|(block, out)| {
             out.fill(Vector::zeros());
@@ -117,20 +112,19 @@ impl<const D: usize> Flow<D> {
                 let (i, side) = (first + row, &self.sides[first + row]);
                 for (j, p) in block.inner.row(row).map(seen) {
                     let other = &self.sides[j];
-                    let force = friction(terms.rub::<false>(makeup, &p, side, other), &p.x, u[i] - u[j]);
+                    let force = terms.friction::<false>(makeup, &p, (side, other), &(u[i] - u[j]));
                     out[row] += force * other.volume;
                     out[j - first] -= force * side.volume;
                 }
                 for (j, p) in block.outer.row(row).map(seen) {
                     let other = &self.sides[j];
-                    out[row] += friction(terms.rub::<false>(makeup, &p, side, other), &p.x, u[i] - u[j])
-                        * other.volume;
+                    out[row] +=
+                        terms.friction::<false>(makeup, &p, (side, other), &(u[i] - u[j])) * other.volume;
                 }
                 if block.near_solid[row] {
                     for (j, p) in block.row(row).map(seen) {
                         let other = &self.sides[j];
-                        out[row] +=
-                            friction(terms.rub::<true>(makeup, &p, side, other), &p.x, u[i]) * other.volume;
+                        out[row] += terms.friction::<true>(makeup, &p, (side, other), &u[i]) * other.volume;
                     }
                 }
             }
@@ -177,18 +171,9 @@ mod tests {
                     kind: BodyKind::Solid { slip: Slip::NoSlip, motion: Motion::Still, surface: None },
                 },
             ],
-            reference_speed: 1.0,
-            reference_length: 1.0,
             sound_speed: Some(1.0),
-            pressure_scale: None,
-            body_force: Vector::<2>::zeros(),
-            sponges: Vec::new(),
-            initial_velocity: Vector::<2>::zeros(),
-            method: Default::default(),
-            friction: Default::default(),
-            state: Default::default(),
-            noise: None,
             options: Options { delta: 0.0, shift: Some(0.0), ..Options::default() },
+            ..Setup::default()
         };
         Flow::new(setup).expect("a sound setup")
     }

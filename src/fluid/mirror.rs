@@ -112,26 +112,13 @@ impl<const D: usize> Flow<D> {
             let i = &sides[block.first + row];
             let mut friction = Vector::zeros();
             for c in block.outer.row(row) {
-                let (j, p) = (&sides[c.j as usize], Pair { x: c.x, f: c.weight, f_shift: c.f_shift });
-                let mut between = Vector::zeros();
-                terms.viscosity.pair(
-                    terms.rub::<false>(makeup, &p, i, j),
-                    &c.x,
-                    &(i.velocity - j.velocity),
-                    &mut between,
-                );
-                friction += between * j.volume;
+                let (j, p) = (&sides[c.j as usize], Pair::new(&c));
+                friction +=
+                    terms.friction::<false>(makeup, &p, (i, j), &(i.velocity - j.velocity)) * j.volume;
             }
             for c in block.row(row) {
-                let (j, p) = (&sides[c.j as usize], Pair { x: c.x, f: c.weight, f_shift: c.f_shift });
-                let mut between = Vector::zeros();
-                terms.viscosity.pair(
-                    terms.rub::<true>(makeup, &p, i, j),
-                    &c.x,
-                    &(i.velocity - j.velocity),
-                    &mut between,
-                );
-                friction += between * j.volume;
+                let (j, p) = (&sides[c.j as usize], Pair::new(&c));
+                friction += terms.friction::<true>(makeup, &p, (i, j), &(i.velocity - j.velocity)) * j.volume;
             }
             own.bend = if i.viscosity > 0.0 { friction / i.viscosity } else { Vector::zeros() };
         }

@@ -4,17 +4,18 @@
 //! | file | idea |
 //! |---|---|
 //! | [`kernel`], [`domain`], [`neighbours`] | W and its gradient; the box; who is near whom |
-//! | [`order`], [`blocks`] | particles in the order of a space-filling curve; neighbour lists in blocks of them |
+//! | [`order`], [`candidates`], [`blocks`] | particles in the order of a space-filling curve; who may come near whom; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
 //! | [`particles`], [`pass`], [`physics`], [`terms`] | state; the sweeps over pairs; what they add up; one equation each |
-//! | [`wide`] | the sweeps once more for processors with AVX2 |
+//! | [`wide`] | the sweeps and the lists once more for processors with AVX2 |
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
-//! | [`flow`], [`integrate`], [`limit`] | the flow as a whole; one time step; the longest stable one |
+//! | [`flow`], [`integrate`], [`limit`], `fault` | the flow as a whole; one time step; the longest stable one; what is said when it blows up |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
 //! | [`rigid`], [`bodies`], [`deform`] | a body the fluid moves; those of a flow; solids that deform |
 //! | [`open`], `buffers` | ends where particles enter and leave; what is prescribed beyond them |
-//! | [`observe`] | snapshots and health of a flow |
+//! | [`observe`], `thermometer` | snapshots and health of a flow; its temperature |
 //! | [`weights`], [`exchange`], [`interpolate`] | conductances for the chemistry, ours and as printed; fields at points |
+//! | `outline`, [`surface`] | mirror images behind obstacles; what voxels face of a surface |
 //!
 //! Sources: Jacob et al. 2021 (SPH-BVF); Adami, Hu & Adams 2012, 2013; Antuono et al. 2010. All SI.
 
@@ -22,9 +23,11 @@ mod balance;
 pub mod blocks;
 pub mod bodies;
 mod buffers;
+pub mod candidates;
 pub mod deform;
 pub mod domain;
 pub mod exchange;
+mod fault;
 mod filter;
 pub mod flow;
 mod image;
@@ -39,6 +42,7 @@ pub mod noise;
 pub mod observe;
 pub mod open;
 pub mod order;
+mod outline;
 pub mod particles;
 pub mod pass;
 pub mod physics;
@@ -50,6 +54,7 @@ mod state;
 pub mod surface;
 pub mod symmetric;
 pub mod terms;
+mod thermometer;
 pub mod wall;
 pub mod weights;
 pub mod wide;

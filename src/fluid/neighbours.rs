@@ -1,6 +1,6 @@
 //! Who is near whom: a grid of cells.
 
-use crate::fluid::domain::{Domain, Shortest};
+use crate::fluid::domain::Domain;
 use crate::vector::Vector;
 
 /// Points sorted into cells at least one cut-off wide.
@@ -9,7 +9,6 @@ use crate::vector::Vector;
 #[derive(Clone, Debug)]
 pub struct Grid<const D: usize> {
     domain: Domain<D>,
-    shortest: Shortest<D>,
     cutoff: f64,
     origin: Vector<D>,
     inverse_width: Vector<D>,
@@ -44,7 +43,6 @@ impl<const D: usize> Grid<D> {
         }
         let mut grid = Grid {
             domain: domain.clone(),
-            shortest: domain.shortest(),
             cutoff,
             origin: min,
             inverse_width,
@@ -74,36 +72,27 @@ impl<const D: usize> Grid<D> {
         &self,
         point: &Vector<D>,
         positions: &[Vector<D>],
+        see: impl FnMut(usize, Vector<D>, f64),
+    ) {
+        self.for_each_near_after(point, positions, 0, see);
+    }
+
+    /// As [`Grid::for_each_near`] of the points from number `first` on.
+    #[inline]
+    pub fn for_each_near_after(
+        &self,
+        point: &Vector<D>,
+        positions: &[Vector<D>],
+        first: usize,
         mut see: impl FnMut(usize, Vector<D>, f64),
     ) {
         let limit = self.cutoff * self.cutoff;
         self.for_each_cell(self.cell(&self.domain.wrap(point)), |points| {
-            for &j in points {
+            for &j in points.iter().filter(|&&j| j as usize >= first) {
                 let x = self.domain.separation(point, &positions[j as usize]);
                 let r2 = x.norm_squared();
                 if r2 < limit {
                     see(j as usize, x, r2);
-                }
-            }
-        });
-    }
-
-    /// Calls `see(j, turned)` for every point nearer than the cut-off to `point`, a point inside the box as all of
-    /// them must be; `turned` if the way to it leads round a periodic axis.
-    #[inline]
-    pub fn for_each_candidate(
-        &self,
-        point: &Vector<D>,
-        positions: &[Vector<D>],
-        mut see: impl FnMut(usize, bool),
-    ) {
-        let limit = self.cutoff * self.cutoff;
-        self.for_each_cell(self.cell(point), |points| {
-            for &j in points {
-                let there = &positions[j as usize];
-                let x = self.shortest.separation(point, there);
-                if x.norm_squared() < limit {
-                    see(j as usize, x != point - there);
                 }
             }
         });

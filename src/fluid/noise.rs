@@ -74,7 +74,7 @@ impl<const D: usize> ThermalNoise<D> {
     /// Force per volume of i and of j, N/m³ times m^-D, that matches a form of friction of strength `rub` = eta_ij F c_ij.
     #[inline(always)]
     pub fn pair(&self, form: Friction, rub: f64, p: &Pair<D>, i: &Side<D>, j: &Side<D>, out: &mut Vector<D>) {
-        let size = (self.power * rub / (i.volume * j.volume)).sqrt();
+        let size = (self.power * rub).sqrt() * (i.inverse_root * j.inverse_root);
         let signed = f64::from_bits(size.to_bits() | u64::from(i.id > j.id) << 63);
         *out += shape(form, self.draw(i.id, j.id), &p.x) * signed;
     }
@@ -91,7 +91,7 @@ impl<const D: usize> ThermalNoise<D> {
         i: &Side<D>,
         j: &Side<D>,
     ) -> Vector<D> {
-        let size = (self.power * rub / (i.volume * j.volume)).sqrt();
+        let size = (self.power * rub).sqrt() * (i.inverse_root * j.inverse_root);
         let n = self.draw(i.id, j.id) + self.draw(j.id, j.id) * share.sqrt();
         shape(form, n, &p.x) * size
     }
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn forces_are_opposite_and_have_the_covariance_of_the_friction() {
         let x = Vector::<2>::new(0.6, 0.8);
-        let there = Pair { x, f: 1.0, f_shift: 1.0 };
+        let there = Pair { x, f: 1.0, f_shift: 1.0, inverse_square: 1.0 };
         let back = Pair { x: -x, ..there };
         for form in [Friction::Morris, Friction::EspanolRevenga] {
             let mut noise = ThermalNoise::<2>::new(&Noise { energy: 2.0, seed: 1, realization: 0 });

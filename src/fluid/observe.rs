@@ -52,7 +52,7 @@ impl<const D: usize> Flow<D> {
             volume_fraction: vec![0.0; n],
         };
         for ((place, side), own) in self.positions.iter().zip(&self.sides).zip(&self.own) {
-            let i = own.id as usize;
+            let i = side.id as usize;
             snapshot.position[i] = self.domain.wrap(place);
             snapshot.velocity[i] = match &self.bodies[side.body as usize].kind {
                 BodyKind::Fluid { .. } => side.velocity,

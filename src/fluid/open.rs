@@ -52,6 +52,15 @@ impl<const D: usize> Open<D> {
     pub fn parking(&self, setup: &Setup<D>) -> f64 {
         setup.domain.max[self.axis] + self.depth + 2.0 * (1.0 + setup.options.skin) * setup.cutoff
     }
+
+    /// The largest pressure, positive or negative, that is prescribed at an end, Pa; none if none is.
+    #[must_use]
+    pub fn largest_pressure(&self) -> f64 {
+        self.ends.iter().fold(0.0, |most: f64, end| match end {
+            End::Pressure(pressure) => most.max(pressure.abs()),
+            End::Velocity(_) => most,
+        })
+    }
 }
 
 /// Where a particle is.
@@ -152,7 +161,7 @@ impl<const D: usize> Flow<D> {
         let mut entering: Vec<(usize, u8)> = Vec::new();
         let mut parked: Vec<usize> = Vec::new();
         for i in 0..self.sides.len() {
-            let id = self.own[i].id as usize;
+            let id = self.sides[i].id as usize;
             if self.sides[i].body == reserve {
                 parked.push(i);
                 continue;
@@ -220,7 +229,7 @@ impl<const D: usize> Flow<D> {
             (own.start, own.acceleration, own.lift) = (place, Vector::zeros(), Vector::zeros());
             (own.bend, own.fraction, side.uneven) = (Vector::zeros(), 0.0, false);
             self.positions[i] = place;
-            openings.zones[own.id as usize] = Zone::Buffer(end);
+            openings.zones[side.id as usize] = Zone::Buffer(end);
         }
         self.openings = Some(openings);
         self.solids = (0..self.sides.len() as u32).filter(|&i| self.sides[i as usize].is_solid()).collect();

@@ -29,6 +29,10 @@ pub struct Side<const D: usize> {
     pub density: f64,
     /// m^D.
     pub volume: f64,
+    /// 1/rho, m³/kg; as the next kept up to date by [`Side::invert`].
+    pub inverse_density: f64,
+    /// V^-1/2, m^(-D/2).
+    pub inverse_root: f64,
     /// Index in [`Setup::particles`](crate::fluid::Setup).
     pub id: u32,
     pub material: Material,
@@ -47,6 +51,13 @@ pub struct Side<const D: usize> {
 }
 
 impl<const D: usize> Side<D> {
+    /// What pairs would divide by, after a change of density or volume: a division a particle, not one a pair.
+    #[inline(always)]
+    pub fn invert(&mut self) {
+        self.inverse_density = 1.0 / self.density;
+        self.inverse_root = 1.0 / self.volume.sqrt();
+    }
+
     /// Whether the particle is part of a solid.
     #[inline(always)]
     #[must_use]
@@ -58,8 +69,6 @@ impl<const D: usize> Side<D> {
 /// What a particle keeps to itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Own<const D: usize> {
-    /// Index in [`Setup::particles`](crate::fluid::Setup).
-    pub id: u32,
     /// Mass per unit thickness, kg/m^(3-D); of a solid without meaning.
     pub mass: f64,
     /// Density at zero pressure, kg/m³; of a solid that of the lightest fluid.

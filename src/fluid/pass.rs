@@ -22,6 +22,8 @@ pub struct Pair<const D: usize> {
     pub f: f64,
     /// F of the shift's own kernel.
     pub f_shift: f64,
+    /// 1/|x|², m^-2.
+    pub inverse_square: f64,
 }
 
 impl<const D: usize> Pair<D> {
@@ -29,7 +31,7 @@ impl<const D: usize> Pair<D> {
     #[inline(always)]
     #[must_use]
     pub fn new(c: &Contact<D>) -> Pair<D> {
-        Pair { x: c.x, f: c.weight, f_shift: c.f_shift }
+        Pair { x: c.x, f: c.weight, f_shift: c.f_shift, inverse_square: c.inverse_square }
     }
 }
 
@@ -76,7 +78,7 @@ impl<const D: usize> Approach<D> {
     /// F x⊗x, the same from both sides.
     #[inline(always)]
     fn moment(&self) -> Symmetric<D> {
-        Symmetric::of(&(self.x * self.f), &self.x)
+        Symmetric::square(&self.x, self.f)
     }
 
     /// The symmetric part of F (v_i - v_j)⊗x, the same from both sides.
@@ -227,6 +229,7 @@ struct Gain<const D: usize> {
 }
 
 impl<const D: usize> Default for Gain<D> {
+    #[inline(always)]
     fn default() -> Gain<D> {
         Gain { density: 0.0, moment: Symmetric::identity(0.0), spread: Spread::identity(0.0) }
     }
@@ -376,7 +379,7 @@ pub fn sweep_reactions<const D: usize>(
         for c in block.walls.row(row) {
             let fluid = &sides[c.j as usize];
             // Seen from the fluid, as the fluid saw it.
-            let pair = Pair { x: -c.x, f: kernel.f(c.x.norm_squared().sqrt()), f_shift: c.f_shift };
+            let pair = Pair { x: -c.x, f: kernel.f(c.x.norm_squared().sqrt()), ..Pair::new(&c) };
             let share = if makeup.noise { share(kernel, &pair.x, fluid, solid) } else { 0.0 };
             rates.force -= terms.force_of_solid(makeup, &pair, fluid, solid, share) * fluid.volume;
         }

@@ -119,10 +119,24 @@ impl<const D: usize> Terms<D> {
         let rub = eta * p.f;
         let other = if SOLID { i } else { j };
         if makeup.moment {
-            rub * Moment.pair(&p.x, &i.moment, &other.moment, i.uneven || other.uneven)
+            rub * Moment.pair(p, &i.moment, &other.moment, i.uneven || other.uneven)
         } else {
             rub
         }
+    }
+
+    /// The friction between i and j whose velocities are `apart` (m/s), with a solid if `SOLID`; N/m³ times m^-D.
+    #[inline(always)]
+    pub(super) fn friction<const SOLID: bool>(
+        &self,
+        makeup: Makeup,
+        p: &Pair<D>,
+        (i, j): (&Side<D>, &Side<D>),
+        apart: &Vector<D>,
+    ) -> Vector<D> {
+        let mut out = Vector::zeros();
+        self.viscosity.pair(self.rub::<SOLID>(makeup, p, i, j), &p.x, apart, &mut out);
+        out
     }
 
     /// The force between fluid i and j, N/m³ times m^-D: V_j of it is the force per volume of i.

@@ -45,6 +45,32 @@ pub struct Setup<const D: usize> {
     pub options: Options,
 }
 
+/// Nothing in no box: for what is not stated of a setup. Unit speed, length and spacing, a cut-off of three.
+impl<const D: usize> Default for Setup<D> {
+    fn default() -> Setup<D> {
+        Setup {
+            domain: Domain { min: Vector::zeros(), max: Vector::zeros(), periodic: [false; D] },
+            kernel: KernelKind::Lucy,
+            cutoff: 3.0,
+            spacing: 1.0,
+            particles: Vec::new(),
+            bodies: Vec::new(),
+            reference_speed: 1.0,
+            reference_length: 1.0,
+            sound_speed: None,
+            pressure_scale: None,
+            body_force: Vector::zeros(),
+            sponges: Vec::new(),
+            initial_velocity: Vector::zeros(),
+            method: Method::default(),
+            friction: Friction::default(),
+            state: EquationOfState::default(),
+            noise: None,
+            options: Options::default(),
+        }
+    }
+}
+
 /// The equations of the fluid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -212,7 +238,7 @@ impl<const D: usize> Setup<D> {
     }
 
     /// The lightest rest density and the largest viscosity among the fluids.
-    fn lightest_and_stickiest(&self) -> (f64, f64) {
+    pub(super) fn lightest_and_stickiest(&self) -> (f64, f64) {
         self.bodies.iter().fold((f64::INFINITY, 0.0), |(rho, mu), body| match body.kind {
             BodyKind::Fluid { density, viscosity } => (density.min(rho), viscosity.max(mu)),
             BodyKind::Solid { .. } => (rho, mu),
@@ -279,14 +305,21 @@ impl<const D: usize> Setup<D> {
             return Err(refuse(0, "number of bodies", self.bodies.len() as f64, remedy));
         }
         for body in &self.bodies {
-            if let BodyKind::Fluid { density, viscosity } = body.kind
-                && !(positive(density) && viscosity.is_finite() && viscosity >= 0.0)
-            {
+            let BodyKind::Fluid { density, viscosity } = body.kind else { continue };
+            if !positive(density) {
                 return Err(refuse(
                     0,
                     "density (kg/m^3) of a fluid",
                     density,
-                    "density and viscosity must be positive",
+                    "it must be a positive number",
+                ));
+            }
+            if !(viscosity.is_finite() && viscosity >= 0.0) {
+                return Err(refuse(
+                    0,
+                    "viscosity (Pa s) of a fluid",
+                    viscosity,
+                    "it must be a number from zero",
                 ));
             }
         }

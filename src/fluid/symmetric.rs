@@ -16,6 +16,7 @@ impl<const D: usize> Symmetric<D> {
     const MIXED: usize = D * (D - 1) / 2;
 
     /// `scale` times the identity.
+    #[inline(always)]
     #[must_use]
     pub fn identity(scale: f64) -> Symmetric<D> {
         Symmetric { diagonal: Vector::from_element(scale), mixed: Vector::zeros() }
@@ -31,6 +32,18 @@ impl<const D: usize> Symmetric<D> {
         for k in 0..Self::MIXED {
             self.mixed[k] += scaled[k] * x[(k + 1) % D];
         }
+    }
+
+    /// `scale` x⊗x.
+    #[inline(always)]
+    #[must_use]
+    pub fn square(x: &Vector<D>, scale: f64) -> Symmetric<D> {
+        let scaled = x * scale;
+        let mut mixed = Vector::zeros();
+        for k in 0..Self::MIXED {
+            mixed[k] = scaled[k] * x[(k + 1) % D];
+        }
+        Symmetric { diagonal: scaled.component_mul(x), mixed }
     }
 
     /// The symmetric part of a⊗b.

@@ -1,7 +1,8 @@
-//! The sweeps compiled twice: for any processor of the architecture, and for the wider registers of AVX2, chosen while
+//! The sweeps and the filling of lists compiled twice: for any processor of the architecture, and for the wider registers of AVX2, chosen while
 //! running. No product is fused with a sum in either, so the same bits come out of both.
 
 use crate::fluid::blocks::Block;
+use crate::fluid::candidates::Candidates;
 use crate::fluid::domain::Shortest;
 use crate::fluid::kernel::Kernel;
 use crate::fluid::particles::Side;
@@ -67,6 +68,36 @@ pub fn sweep_forces<const D: usize>(
         }
     }
     forces(block, rates, terms, kernel, sides);
+}
+
+/// The lists of a block, [`Block::fill`].
+pub fn fill_lists<const D: usize>(
+    block: &mut Block<D>,
+    all: &Candidates<D>,
+    positions: &[Vector<D>],
+    sides: &[Side<D>],
+    solids: bool,
+    mutual: bool,
+) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        fn wide<const D: usize>(
+            block: &mut Block<D>,
+            all: &Candidates<D>,
+            positions: &[Vector<D>],
+            sides: &[Side<D>],
+            solids: bool,
+            mutual: bool,
+        ) {
+            block.fill(all, positions, sides, solids, mutual);
+        }
+        if has_avx2() {
+            // SAFETY: the processor has been asked for AVX2 in the line above.
+            return unsafe { wide(block, all, positions, sides, solids, mutual) };
+        }
+    }
+    block.fill(all, positions, sides, solids, mutual);
 }
 
 #[cfg(target_arch = "x86_64")]

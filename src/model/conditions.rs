@@ -21,6 +21,7 @@ use super::reader::{Faults, Fields};
 use crate::chemistry::{Kinetics, Network};
 use crate::error::Place;
 use crate::quantity::Dimension;
+use crate::quantity::readable::length;
 use crate::vector::Vector;
 
 /// A named condition on the domain.
@@ -156,6 +157,14 @@ fn sponge(node: &Node, domain: &ParticleDomain, network: &Network, faults: &mut 
     let group = group(&mut fields, domain, faults);
     let rate = fields.required("rate", faults).and_then(|n| n.positive(Dimension::RATE, faults));
     let velocity = match fields.optional("velocity") {
+        Some(n) if domain.fluid.is_none() => {
+            faults.at(
+                &n.place,
+                "a velocity is that of a fluid, and none moves here",
+                "describe it by `fluid:`, or remove this",
+            );
+            None
+        }
         Some(n) => Some(pad(&n.vector(Dimension::VELOCITY, domain.dimensions, faults)?)),
         None => None,
     };
@@ -204,7 +213,7 @@ fn barrier(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<
     if axis >= domain.dimensions || at < domain.min[axis] || at > domain.max[axis] {
         faults.at(
             &node.place,
-            format!("the barrier across {} at {:.4} um lies outside the box", axis_name(axis), at * 1e6),
+            format!("the barrier across {} at {} lies outside the box", axis_name(axis), length(at)),
             "it must cut the box",
         );
         return None;
@@ -260,6 +269,14 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, network: &Network, faults: 
         None => Vector::from([0.0, 0.0, 1.0]),
     };
     fields.finish(faults);
+    if domain.fluid.is_none() {
+        faults.at(
+            &node.place,
+            "a wall that moves drives a fluid, and none moves here",
+            "describe it by `fluid:`, or remove this",
+        );
+        return None;
+    }
     let wall = wall?;
     let motion = match (velocity, frequency, rotation) {
         (Some(velocity), None, None) if travels => WallMotion::Travel(velocity),
@@ -277,9 +294,11 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, network: &Network, faults: 
     };
     if let WallName::Side { axis, .. } = wall {
         let leaves = match &motion {
-            WallMotion::Travel(velocity) | WallMotion::Oscillate { velocity, .. } => velocity[axis] != 0.0,
+            WallMotion::Belt(velocity)
+            | WallMotion::Travel(velocity)
+            | WallMotion::Oscillate { velocity, .. } => velocity[axis] != 0.0,
             WallMotion::Rotate { .. } => true,
-            _ => false,
+            WallMotion::Deform(_) => false,
         };
         if leaves {
             faults.at(
@@ -380,5 +399,13 @@ fn force(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Option<Wh
         .required("acceleration", faults)
         .and_then(|n| n.vector(Dimension::ACCELERATION, domain.dimensions, faults));
     fields.finish(faults);
+    if domain.fluid.is_none() {
+        faults.at(
+            &node.place,
+            "a force moves a fluid, and none moves here",
+            "describe it by `fluid:`, or remove this",
+        );
+        return None;
+    }
     Some(What::Force { acceleration: pad(&acceleration?) })
 }

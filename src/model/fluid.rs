@@ -6,6 +6,7 @@ mod velocity;
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
 use crate::chemistry::Network;
+use crate::error::Place;
 use crate::fluid::{EquationOfState, Friction, Method, Options};
 use crate::quantity::Dimension;
 
@@ -37,6 +38,14 @@ pub struct FluidModel {
     /// How long the flow runs before t = 0, s; nothing lifts it meanwhile.
     pub settle: f64,
     pub options: Options,
+    pub places: FluidPlaces,
+}
+
+/// Where numbers of a fluid are stated.
+#[derive(Clone, Debug)]
+pub struct FluidPlaces {
+    pub speed: Place,
+    pub sound_speed: Option<Place>,
 }
 
 /// Methods by name; `none` leaves the particles where they are.
@@ -62,8 +71,20 @@ pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults
         fields.finish(faults);
         return None;
     };
-    let friction = fields.optional("friction").map(|n| n.choice(&FRICTIONS, faults));
+    let friction = fields.optional("friction").map(|n| {
+        let friction = n.choice(&FRICTIONS, faults)?;
+        if method == Method::Sph && friction != Friction::Morris {
+            faults.at(
+                &n.place,
+                "`sph` has the friction of Morris, Fox & Zhu whatever is asked for",
+                "remove `friction`, or choose method: sdpd or sph_bvf",
+            );
+            return None;
+        }
+        Some(friction)
+    });
     let state = fields.optional("equation_of_state").map(|n| n.choice(&STATES, faults));
+    let speed_place = fields.optional("speed").map(|n| n.place.clone());
     let mut required = |fields: &mut Fields, key: &'static str, dimension| {
         fields.required(key, faults).and_then(|n| n.positive(dimension, faults))
     };
@@ -71,6 +92,7 @@ pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults
     let viscosity = required(&mut fields, "viscosity", Dimension::DYNAMIC_VISCOSITY);
     let speed = required(&mut fields, "speed", Dimension::VELOCITY);
     // Outer `None`: not given; inner: given with a fault.
+    let sound_speed_place = fields.optional("sound_speed").map(|n| n.place.clone());
     let sound_speed = match fields.optional("sound_speed") {
         Some(n) if matches!(&n.value, Value::Text(word) if word == "auto") => None,
         found => found.map(|n| n.positive(Dimension::VELOCITY, faults)),
@@ -107,6 +129,7 @@ pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults
         velocity: velocity?,
         settle: settle.unwrap_or(Some(0.0))?,
         options: options?,
+        places: FluidPlaces { speed: speed_place?, sound_speed: sound_speed_place },
     })
 }
 
@@ -119,15 +142,37 @@ fn given(value: Option<Option<f64>>) -> Option<Option<f64>> {
     }
 }
 
+/// Largest strengths of density diffusion and shift. Antuono et al. 2010 use 0.1 of the first; 1 damps sound within a
+/// cut-off. Twenty of the second leaves a Courant number of 1/20.
+const MOST_DELTA: f64 = 1.0;
+const MOST_SHIFT: f64 = 20.0;
+
 /// Numerical choices, for comparison with what others printed; the defaults are meant to be kept.
 fn options(node: &Node, faults: &mut Faults) -> Option<Options> {
     let usual = Options::default();
     let mut fields = Fields::of(node, "options", faults)?;
-    let mut number = |fields: &mut Fields, key: &'static str| {
-        fields.optional(key).map(|n| n.non_negative(Dimension::NONE, faults))
+    let mut number = |fields: &mut Fields, key: &'static str, most: f64, usual: &str| {
+        fields.optional(key).map(|n| {
+            let value = n.non_negative(Dimension::NONE, faults)?;
+            if value > most {
+                faults.at(&n.place, format!("a {key} of {value}; at most {most} makes sense"), usual);
+                return None;
+            }
+            Some(value)
+        })
     };
-    let delta = number(&mut fields, "delta");
-    let shift = number(&mut fields, "shift");
+    let delta = number(
+        &mut fields,
+        "delta",
+        MOST_DELTA,
+        "0.1 to 0.2 is usual, and chosen without this option; 0 turns the density diffusion off",
+    );
+    let shift = number(
+        &mut fields,
+        "shift",
+        MOST_SHIFT,
+        "2 is usual, and chosen without this option; 0 turns the shift off",
+    );
     let courant = fields.optional("courant").map(|n| {
         let value = n.positive(Dimension::NONE, faults)?;
         if value > 1.0 {
@@ -135,6 +180,15 @@ fn options(node: &Node, faults: &mut Faults) -> Option<Options> {
                 &n.place,
                 format!("a Courant number of {value}"),
                 "no step above 1 is stable; 0.1 to 0.2 is usual, and chosen without this option",
+            );
+            return None;
+        }
+        // A shift A is stable for A times the Courant number up to one.
+        if let Some(Some(shift)) = shift.filter(|shift| shift.is_some_and(|shift| shift * value > 1.0)) {
+            faults.at(
+                &n.place,
+                format!("a Courant number of {value} with a shift of {shift}: their product is above 1"),
+                format!("a Courant number of {:.2} would do, or a smaller shift", 1.0 / shift),
             );
             return None;
         }

@@ -9,6 +9,7 @@ use crate::chemistry::Network;
 use crate::error::Place;
 use crate::geometry::{Lattice, Shape};
 use crate::quantity::Dimension;
+use crate::quantity::readable::length;
 use crate::vector::Vector;
 
 /// What a group is made of.
@@ -135,13 +136,13 @@ fn check_fit(group: &Group, d: usize, (min, max): (&Vector<3>, &Vector<3>), faul
             faults.at(
                 &group.place,
                 format!(
-                    "the spacing {:.6} um of group `{}` does not fit the box: {:.4} cells along {}",
-                    group.spacing * 1e6,
+                    "the spacing {} of group `{}` does not fit the box: {:.4} cells along {}",
+                    length(group.spacing),
                     group.name,
                     cells,
                     axis_name(k)
                 ),
-                format!("{:.6} um would give {whole} whole cells", (max[k] - min[k]) / whole * 1e6),
+                format!("{} would give {whole} whole cells", length((max[k] - min[k]) / whole)),
             );
             return;
         }

@@ -3,7 +3,9 @@
 use super::node::{self, Node, Value};
 use super::reader::{Faults, Fields};
 use super::times::End;
-use super::{Chemistry, Integrator, Method, Model, Places, domain, initial, names, output, reactions};
+use super::{
+    Chemistry, Integrator, Method, Model, Places, Run, domain, initial, names, output, precision, reactions,
+};
 use crate::chemistry::{Network, Representation};
 use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::Dimension;
@@ -173,8 +175,10 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
     let until = run.as_ref().map_or(f64::NAN, |run| run.until);
     let shortened = text.overrides.iter().any(|assignment| assignment.trim_start().starts_with("run.until="));
     let end = End { time: until, shortened };
-    let output = output::read_output(output_node, end, &domain, &network, faults);
-    let run = run?;
+    let asked = run_node.and_then(|node| node.field("until_precision"));
+    let mut precision = asked.and_then(|node| precision::read(node, end, &domain, &network, faults));
+    let output = output::read_output(output_node, end, &domain, &network, precision.as_mut(), faults);
+    let run = Run { until_precision: precision, ..run? };
     let place = |node: Option<&Node>| node.map_or_else(|| root.place.clone(), |n| n.place.clone());
     Some(Model {
         name: name?,

@@ -11,6 +11,7 @@ pub mod load;
 pub mod names;
 pub mod node;
 pub mod output;
+pub mod precision;
 pub mod probes;
 pub mod reactions;
 pub mod reader;
@@ -23,10 +24,11 @@ use crate::record::ModelText;
 
 pub use conditions::Condition;
 pub use domain::{Boundary, Domain, ParticleDomain};
-pub use fluid::FluidModel;
+pub use fluid::{FluidModel, FluidPlaces};
 pub use groups::{Group, Material};
 pub use initial::{Amount, Deal, Initial};
 pub use output::{Output, Run};
+pub use precision::Precision;
 pub use probes::{Probe, ProbeShape};
 
 /// A checked model, everything in SI units, groups and species by index.

@@ -12,6 +12,12 @@ pub fn axis_name(axis: usize) -> &'static str {
     ["x", "y", "z"][axis]
 }
 
+/// The name of a side of the box, e.g. `x_min`.
+#[must_use]
+pub fn side_name(axis: usize, upper: bool) -> String {
+    format!("{}_{}", axis_name(axis), if upper { "max" } else { "min" })
+}
+
 /// The species a node names, or a fault with the nearest known name.
 pub fn species_named(node: &Node, network: &Network, faults: &mut Faults) -> Option<usize> {
     let name = node.text(faults)?;

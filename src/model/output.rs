@@ -3,6 +3,7 @@
 use super::domain::Domain;
 use super::names::{group_index, species_index};
 use super::node::{Node, Value};
+use super::precision::Precision;
 use super::probes::{self, Probe};
 use super::reader::{Faults, Fields};
 use super::times::{End, multiples, times};
@@ -20,6 +21,7 @@ pub struct Run {
     pub threads: Option<usize>,
     /// Wall time between checkpoints, s.
     pub checkpoint_every: Option<f64>,
+    pub until_precision: Option<Precision>,
 }
 
 /// What is looked at, and when.
@@ -93,6 +95,8 @@ pub fn read_run(node: &Node, faults: &mut Faults) -> Option<Run> {
         None => Some(None),
         Some(n) => n.positive(Dimension::TIME, faults).map(Some),
     };
+    // Read once species and groups are known.
+    fields.optional("until_precision");
     fields.finish(faults);
     // What has a fault of its own is replaced, so that the output can be checked.
     Some(Run {
@@ -101,6 +105,7 @@ pub fn read_run(node: &Node, faults: &mut Faults) -> Option<Run> {
         seed: seed.unwrap_or(1),
         threads: threads.unwrap_or(None),
         checkpoint_every: checkpoint_every.unwrap_or(None),
+        until_precision: None,
     })
 }
 
@@ -110,6 +115,7 @@ pub(super) fn read_output(
     end: End,
     domain: &Domain,
     network: &Network,
+    precision: Option<&mut Precision>,
     faults: &mut Faults,
 ) -> Option<Output> {
     let until = end.time;
@@ -144,6 +150,7 @@ pub(super) fn read_output(
     // Whatever is asked for at a time is written at that time.
     let mut extra: Vec<f64> = output.histograms.iter().flat_map(|h| h.times.clone()).collect();
     extra.extend(output.particles.iter().flat_map(|(times, _)| times.clone()));
+    extra.extend(precision.iter().map(|precision| precision.time));
     for t in extra {
         if !output.times.iter().any(|known| (known - t).abs() <= 1e-9 * until) {
             output.times.push(t);
@@ -156,6 +163,7 @@ pub(super) fn read_output(
         }
     };
     output.histograms.iter_mut().flat_map(|h| h.times.iter_mut()).for_each(snap);
+    precision.into_iter().map(|precision| &mut precision.time).for_each(snap);
     if let Some((times, _)) = &mut output.particles {
         if times.is_empty() {
             times.clone_from(&output.times);

@@ -7,6 +7,7 @@ use super::node::Node;
 use super::reader::{Faults, Fields};
 use crate::chemistry::Network;
 use crate::quantity::Dimension;
+use crate::quantity::readable::length;
 use crate::vector::Vector;
 
 /// A place where fields are read off.
@@ -136,9 +137,8 @@ fn outside(x: &Vector<3>, domain: &ParticleDomain) -> f64 {
 }
 
 fn box_words(domain: &ParticleDomain) -> String {
-    let side = |k: usize| {
-        format!("{} from {:.6} to {:.6} um", axis_name(k), domain.min[k] * 1e6, domain.max[k] * 1e6)
-    };
+    let side =
+        |k: usize| format!("{} from {} to {}", axis_name(k), length(domain.min[k]), length(domain.max[k]));
     let sides: Vec<String> = (0..domain.dimensions).map(side).collect();
     format!("move it into the box: {}", sides.join(", "))
 }

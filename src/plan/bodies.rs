@@ -3,11 +3,12 @@
 use super::ParticlePlan;
 use super::particles::narrow;
 use crate::error::Fault;
-use crate::fluid::{Deformation, Free, Motion};
+use crate::fluid::{Deformation, Domain, Free, Motion};
 use crate::geometry::shape::embed;
 use crate::model::conditions::{Condition, WallMotion, WallName, What};
 use crate::model::names::axis_name;
 use crate::model::{Boundary, ParticleDomain};
+use crate::quantity::readable::show_vector;
 use crate::vector::Vector;
 use std::sync::Arc;
 
@@ -37,7 +38,9 @@ fn prescribed<const D: usize>(domain: &ParticleDomain, motion: &WallMotion) -> M
             Motion::Oscillating { amplitude: narrow(velocity), frequency: std::f64::consts::TAU * frequency }
         }
         WallMotion::Rotate { centre, rate, axis } => {
-            Motion::Rotating { centre: narrow(centre), rate: (axis * *rate).into() }
+            let periodic = std::array::from_fn(|k| domain.boundaries[k] == Boundary::Periodic);
+            let ends = Domain { min: narrow(&domain.min), max: narrow(&domain.max), periodic };
+            Motion::Rotating { centre: narrow(centre), rate: (axis * *rate).into(), domain: Some(ends) }
         }
         WallMotion::Deform(field) => {
             let field = field.clone();
@@ -94,12 +97,10 @@ pub(super) fn check<const D: usize>(
                 faults.push(Fault::at(
                     &condition.place,
                     format!(
-                        "the displacement of `{}` is {:.3e} m at t = 0 at ({:.4}, {:.4}, {:.4}) um, or no number",
+                        "the displacement of `{}` is {:.3e} m at t = 0 at {}, or no number",
                         domain.groups[g].name,
                         u.norm(),
-                        x[0] * 1e6,
-                        x[1] * 1e6,
-                        x[2] * 1e6
+                        show_vector(x.as_slice(), "m")
                     ),
                     "it is relative to the shape of the group: let it begin at zero, e.g. times (1 - exp(-t / (1 ms)))",
                 ));

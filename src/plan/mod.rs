@@ -2,6 +2,7 @@
 
 mod bodies;
 pub mod chemistry;
+pub mod flow;
 mod lift;
 pub mod limits;
 pub mod methods;
@@ -14,7 +15,7 @@ pub mod surfaces;
 use crate::chemistry::analysis::{Analysis, analyse};
 use crate::chemistry::{Links, Network, Reactor};
 use crate::error::{Fault, ModelError};
-use crate::model::{Domain, Method, Model};
+use crate::model::{Domain, Method, Model, ParticleDomain};
 
 pub use lift::Lift;
 pub use openings::OpeningsPlan;
@@ -115,11 +116,18 @@ impl Plan {
             return Err(ModelError::sorted(faults));
         }
         if let Domain::Particles(domain) = &plan.model.domain {
+            fn of<const D: usize>(
+                model: &Model,
+                domain: &ParticleDomain,
+                plan: &ParticlePlan<D>,
+            ) -> Vec<Fault> {
+                [flow::warnings(model, domain, plan), narrow::warnings(model, domain, plan)].concat()
+            }
             plan.warnings = match &plan.arena {
                 Arena::Compartments(_) => Vec::new(),
-                Arena::Line(particles) => narrow::warnings(&plan.model, domain, particles),
-                Arena::Plane(particles) => narrow::warnings(&plan.model, domain, particles),
-                Arena::Space(particles) => narrow::warnings(&plan.model, domain, particles),
+                Arena::Line(particles) => of(&plan.model, domain, particles),
+                Arena::Plane(particles) => of(&plan.model, domain, particles),
+                Arena::Space(particles) => of(&plan.model, domain, particles),
             };
         }
         Ok(plan)

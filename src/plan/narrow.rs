@@ -8,6 +8,7 @@ use crate::geometry::shape::embed;
 use crate::model::groups::Group;
 use crate::model::names::axis_name;
 use crate::model::{Boundary, Material, Model, ParticleDomain};
+use crate::quantity::readable::{length, show_vector};
 use crate::vector::Vector;
 
 /// Fewest particles across a gap that show a flow with a profile.
@@ -138,17 +139,16 @@ fn thin_walls<const D: usize>(
                 }
             });
         }
-        let remedy =
-            format!("make the wall at least {:.4} um thick, or the spacing or support smaller", h * 1e6);
+        let remedy = format!("make the wall at least {} thick, or the spacing or support smaller", length(h));
         if let Some(spot) = through {
             found.push(Fault::at(
                 solid.place,
                 format!(
-                    "{} is {:.4} um thick at {}, less than the kernel's cut-off of {:.4} um: the fluid on its two sides acts through it",
+                    "{} is {} thick at {}, less than the kernel's cut-off of {}: the fluid on its two sides acts through it",
                     solid.words,
-                    spot.size * 1e6,
+                    show_vector(&[spot.size], "m"),
                     words(&spot.at),
-                    h * 1e6
+                    length(h)
                 ),
                 remedy,
             ));
@@ -156,11 +156,11 @@ fn thin_walls<const D: usize>(
             found.push(Fault::at(
                 solid.place,
                 format!(
-                    "{} is {:.4} um thick at {} with nothing behind it, less than the kernel's cut-off of {:.4} um: the fluid misses a part of the wall",
+                    "{} is {} thick at {} with nothing behind it, less than the kernel's cut-off of {}: the fluid misses a part of the wall",
                     solid.words,
-                    spot.size * 1e6,
+                    show_vector(&[spot.size], "m"),
                     words(&spot.at),
-                    h * 1e6
+                    length(h)
                 ),
                 remedy,
             ));
@@ -244,12 +244,12 @@ fn narrow_gaps<const D: usize>(
         found.push(Fault::at(
             solids[a].place,
             format!(
-                "{between} {:.4} um apart at {}: {:.1} particles across the gap, at least {ACROSS:.0} are needed for a flow",
-                spot.size * 1e6,
+                "{between} {} apart at {}: {:.1} particles across the gap, at least {ACROSS:.0} are needed for a flow",
+                show_vector(&[spot.size], "m"),
                 words(&spot.at),
                 spot.size / spacing
             ),
-            format!("a spacing of {:.4} um would do, or close the gap", spot.size / ACROSS * 1e6),
+            format!("a spacing of {} would do, or close the gap", show_vector(&[spot.size / ACROSS], "m")),
         ));
     }
 }
@@ -308,8 +308,7 @@ fn deep_corners<const D: usize>(
     ));
 }
 
-/// A place in µm.
+/// A place in a fitting unit.
 fn words<const D: usize>(x: &Vector<D>) -> String {
-    let parts: Vec<String> = x.iter().map(|x| format!("{:.4}", x * 1e6)).collect();
-    format!("({}) um", parts.join(", "))
+    show_vector(x.as_slice(), "m")
 }

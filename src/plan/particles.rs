@@ -10,8 +10,9 @@ use crate::geometry::{Fill, Shape, fill};
 use crate::model::conditions::{WallMotion, WallName, What};
 use crate::model::fluid::Velocity;
 use crate::model::groups::Group;
-use crate::model::names::axis_name;
+use crate::model::names::{axis_name, side_name};
 use crate::model::{Amount, Boundary, Deal, FluidModel, Material, Model, ParticleDomain};
+use crate::quantity::readable::length;
 use crate::random::{Purpose, stream};
 use crate::vector::Vector;
 use std::sync::Arc;
@@ -72,7 +73,7 @@ pub struct HeldPlan {
 }
 
 /// k, J/K (exact, SI).
-const BOLTZMANN: f64 = 1.380_649e-23;
+pub const BOLTZMANN: f64 = 1.380_649e-23;
 
 pub(super) fn narrow<const D: usize>(x: &Vector<3>) -> Vector<D> {
     Vector::from_fn(|k, _| x[k])
@@ -128,7 +129,7 @@ impl<const D: usize> ParticlePlan<D> {
                 faults.push(Fault::at(
                     &group.place,
                     format!("group `{}` has no particles", group.name),
-                    format!("its shape must hold points of a lattice of spacing {:.4} um; make the shape larger or the spacing finer", group.spacing * 1e6),
+                    format!("its shape must hold points of a lattice of spacing {}; make the shape larger or the spacing finer", length(group.spacing)),
                 ));
             }
             check_overlap(group, &found, &solid, faults);
@@ -273,7 +274,7 @@ impl<const D: usize> ParticlePlan<D> {
                     _ => Slip::NoSlip,
                 };
                 bodies.push(Body {
-                    name: format!("{}_{}", axis_name(axis), if upper { "max" } else { "min" }),
+                    name: side_name(axis, upper),
                     kind: BodyKind::Solid {
                         slip,
                         motion: motion(domain, WallName::Side { axis, upper }),
@@ -338,11 +339,6 @@ impl<const D: usize> ParticlePlan<D> {
                 _ => {}
             }
         }
-        // The width across which the flow is sheared: the narrowest extent between walls, else of the box.
-        let closed = |k: usize| !self.domain.periodic[k] && domain.boundaries[k] != Boundary::Open;
-        let extents = (0..D).map(|k| (!closed(k), self.domain.max[k] - self.domain.min[k]));
-        let between_walls = extents.clone().filter(|e| !e.0).map(|e| e.1).fold(f64::INFINITY, f64::min);
-        let smallest = extents.map(|e| e.1).fold(f64::INFINITY, f64::min);
         Setup {
             domain: self.domain.clone(),
             kernel: self.kernel,
@@ -351,11 +347,7 @@ impl<const D: usize> ParticlePlan<D> {
             particles: self.particles.clone(),
             bodies,
             reference_speed: fluid.speed,
-            reference_length: fluid.length.unwrap_or(if between_walls.is_finite() {
-                between_walls
-            } else {
-                smallest
-            }),
+            reference_length: super::flow::reference_length(domain, fluid).0,
             sound_speed: fluid.sound_speed,
             pressure_scale: fluid.pressure_scale,
             body_force,
@@ -389,10 +381,14 @@ impl<const D: usize> ParticlePlan<D> {
                 faults.push(Fault::at(
                     &model.places.domain,
                     format!(
-                        "the box is {:.4} um along the {what} axis {}; {needed} cut-offs of {:.4} um are needed",
-                        extent * 1e6,
+                        "the box is {} along the {what} axis {}; {needed} {} needed",
+                        length(extent),
                         axis_name(k),
-                        self.cutoff * 1e6
+                        if needed == 1.0 {
+                            format!("cut-off of {} is", length(self.cutoff))
+                        } else {
+                            format!("cut-offs of {} are", length(self.cutoff))
+                        }
                     ),
                     "make the box longer, or the spacing or support smaller",
                 ));

@@ -8,6 +8,7 @@ use crate::chemistry::sampling_numbers::poisson;
 use crate::error::{Fault, ModelError, Place};
 use crate::model::conditions::What;
 use crate::model::{Amount, Deal, Domain, Initial, Material};
+use crate::quantity::readable::show_vector;
 use crate::random::{Purpose, stream};
 use crate::vector::Vector;
 
@@ -153,12 +154,13 @@ fn bad_amount(
         // A sum that should vanish may fall short of zero by rounding.
         let wrong = values.iter().position(|v| !(*v >= -1e-12 * largest && v.is_finite()));
         if let Some(k) = wrong {
-            let x = voxels.positions[members[k]] * 1e6;
+            let x = voxels.positions[members[k]];
             return Some(Fault::at(
                 place,
                 format!(
-                    "the concentration of `{name}` is {:.4e} mol/m^3 at ({:.4}, {:.4}, {:.4}) um",
-                    values[k], x[0], x[1], x[2]
+                    "the concentration of `{name}` is {:.4e} mol/m^3 at {}",
+                    values[k],
+                    show_vector(x.as_slice(), "m")
                 ),
                 "a concentration is a finite number, zero or more; max(0, ...) cuts off what lies below",
             ));

@@ -3,8 +3,9 @@
 use super::{Arena, Plan};
 use crate::chemistry::Rate;
 use crate::error::Fault;
-use crate::model::conditions::{WallName, What};
+use crate::model::conditions::{Condition, WallName, What};
 use crate::model::{Domain, ParticleDomain};
+use crate::quantity::readable::{length, show_vector};
 
 /// Most species that may enter or leave through surfaces, all together.
 const MOST: usize = 60;
@@ -67,6 +68,7 @@ pub fn check(plan: &Plan, faults: &mut Vec<Fault>) {
         else {
             continue;
         };
+        at_odds(domain, condition, (*wall, species), plan, faults);
         let WallName::Group(g) = *wall else { continue };
         let name = &domain.groups[g].name;
         let Some(body) = body(plan, g) else { continue };
@@ -80,9 +82,9 @@ pub fn check(plan: &Plan, faults: &mut Vec<Fault>) {
             faults.push(Fault::at(
                 &condition.place,
                 format!(
-                    "`{name}` is {:.4} um deep, thinner than the kernel's cut-off of {:.4} um: its surface would not be seen whole",
-                    body.depth * 1e6,
-                    body.cutoff * 1e6
+                    "`{name}` is {} deep, thinner than the kernel's cut-off of {}: its surface would not be seen whole",
+                    show_vector(&[body.depth], "m"),
+                    length(body.cutoff)
                 ),
                 "make the group thicker, or the spacing or support smaller",
             ));
@@ -96,6 +98,45 @@ pub fn check(plan: &Plan, faults: &mut Vec<Fault>) {
                     format!("keep it out by `only_in` of the species or `holds: none` of `{name}`"),
                 ));
             }
+        }
+    }
+}
+
+/// A species that a surface holds cannot enter or be absorbed there as well, nor be held or absorbed twice.
+fn at_odds(
+    domain: &ParticleDomain,
+    condition: &Condition,
+    (wall, species): (WallName, &[(usize, f64)]),
+    plan: &Plan,
+    faults: &mut Vec<Fault>,
+) {
+    let kind = |what: &What| match what {
+        What::HeldSurface { .. } => "held",
+        What::Absorbing { .. } => "absorbing",
+        _ => "flux",
+    };
+    for earlier in domain.conditions.iter().take_while(|other| !std::ptr::eq(*other, condition)) {
+        let (What::Flux { wall: there, species: theirs }
+        | What::Absorbing { wall: there, species: theirs }
+        | What::HeldSurface { wall: there, species: theirs }) = &earlier.what
+        else {
+            continue;
+        };
+        let (one, other) = (kind(&earlier.what), kind(&condition.what));
+        // Molecules may enter by several fluxes, and be absorbed where others enter.
+        let together = one == "flux" && other != "held" || other == "flux" && one != "held";
+        if *there != wall || together {
+            continue;
+        }
+        if let Some((s, _)) = species.iter().find(|(s, _)| theirs.iter().any(|(other, _)| other == s)) {
+            faults.push(Fault::at(
+                &condition.place,
+                format!(
+                    "`{}` of `{}` ({other}) is what `{}` ({one}) already rules at the same surface",
+                    plan.reactor.species[*s], condition.name, earlier.name
+                ),
+                "remove one of the two: a surface that holds a concentration takes and gives what that needs",
+            ));
         }
     }
 }

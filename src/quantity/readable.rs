@@ -88,6 +88,13 @@ pub fn show(value: f64, unit: &str) -> String {
     Scale::choose(value, unit).show(value)
 }
 
+/// A length in m with a fitting unit and six significant digits, for lengths that a user may copy.
+#[must_use]
+pub fn length(value: f64) -> String {
+    let scale = Scale::choose(value, "m");
+    format!("{} {}", significant(value * scale.factor, 6), scale.unit)
+}
+
 /// Components in one unit: `show_vector(&[1.25e-3, 0.0], "m/s")` is `(1.25, 0) mm/s`; one component needs no brackets.
 /// Four significant digits.
 #[must_use]

@@ -114,6 +114,10 @@ pub(crate) fn find(word: &str) -> Option<Unit> {
 
 /// A known unit near this word, as a remedy.
 pub(crate) fn suggestion(word: &str) -> String {
+    // Nearer by letters are cm and others.
+    if ["c", "°c", "celsius", "centigrade"].contains(&word.to_lowercase().as_str()) {
+        return "did you mean \"degC\"?".into();
+    }
     let plain: Vec<String> = TABLE.iter().map(|(symbol, _, _)| (*symbol).to_string()).collect();
     let usual = ["f", "p", "n", "u", "m", "c", "k", "M"];
     let prefixed = TABLE

@@ -2,6 +2,7 @@
 
 use super::write;
 use crate::record::*;
+use crate::statistics::Summary;
 use crate::tables::*;
 use rand::Rng;
 use rand_distr::{Distribution, Poisson};
@@ -89,6 +90,7 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
             },
         ],
         histograms: vec![],
+        precision: None,
         steps: StepsRecord {
             fluid: Some(StepRecord { step: 1e-6, count: 2_000_000, limited_by: "speed of sound".into() }),
             chemistry: Some(StepRecord { step: 1e-4, count: 20_000, limited_by: "diffusion of L".into() }),
@@ -97,6 +99,24 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
             shared_flow: true,
             splitting_error: Some(2e-4),
         },
+        fluid: Some(FluidRecord {
+            method: "sph_bvf".into(),
+            density: 1000.0,
+            viscosity: 1e-3,
+            sound_speed: 20e-3,
+            speed: 2e-3,
+            speed_of: "fluid.speed".into(),
+            length: 25e-6,
+            length_of: "the width between the walls along y".into(),
+            mach: 0.1,
+            reynolds: 0.05,
+            noise: Some(NoiseRecord {
+                temperature: 300.0,
+                energy: 4.14e-21,
+                thermal_speed: 4e-6,
+                friction: "morris".into(),
+            }),
+        }),
         hybrid: vec![],
         health: Health {
             conservation: vec![
@@ -113,6 +133,7 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
             bounces: Some(123_456),
             largest_mach: Some(0.08),
             largest_density_change: Some(0.011),
+            temperature: Some(TemperatureRecord { mean: 299.0, looks: 21 }),
             warnings: vec!["the spacing resolves the membrane with 3 particles".into()],
             ..Default::default()
         },
@@ -197,7 +218,12 @@ pub fn example(dir: &Path, realizations: u32) {
         }
     }
     write_series(dir, &times, &columns, &blocks).unwrap();
-    write_statistics(dir, &times, &columns, &blocks).unwrap();
+    let series = SeriesTable { times: times.to_vec(), columns: columns.clone(), blocks };
+    let cells = (0..times.len()).flat_map(|t| (0..columns.len()).map(move |c| (t, c)));
+    let summaries: Vec<Summary> = cells.map(|(t, c)| Summary::of(&series.across(t, c))).collect();
+    let mut statistics = StatisticsWriter::new(dir, &columns).unwrap();
+    statistics.push(&times, &summaries).unwrap();
+    statistics.finish().unwrap();
     write_probes(dir, &probes).unwrap();
     let frames: Vec<ParticleFrame> = times.iter().step_by(10).map(|&t| frame(t, &mut rng)).collect();
     write_particles(dir, 0, 0, &["L".into(), "R".into(), "RL".into()], &frames).unwrap();
@@ -262,6 +288,11 @@ fn the_page_of_a_run_stands_alone() {
         assert!(dir.join(format!("figures/{name}.png")).exists(), "{name}");
     }
     assert!(dir.join("figures/amounts.svg").exists() && !dir.join("figures/field_L.svg").exists());
+    for words in
+        ["Fluid</h3>", "sound speed c₀", "Reynolds number (length 25 µm", "299 K (21 looks)", "1.1 %"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
     assert!(page.contains("data:image/png;base64,") && page.contains("&lt;made up&gt;"));
     assert!(!page.contains("<script") && !page.contains("src=\"http") && !page.contains(">NaN"));
     let drawn = |name: &str| std::fs::read(dir.join("figures").join(name)).unwrap();

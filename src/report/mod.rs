@@ -6,6 +6,7 @@
 mod base64;
 #[cfg(test)]
 mod example;
+mod fluid;
 mod html;
 mod numbers;
 mod sections;
@@ -83,6 +84,7 @@ fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
     for (k, heading) in SECTIONS.iter().enumerate() {
         if k == 1 {
             out += &sections::chemistry(record);
+            out += &fluid::fluid(record);
         }
         let here: Vec<&str> = figures.iter().filter(|f| f.0 == k).map(|f| f.1.as_str()).collect();
         if !here.is_empty() {

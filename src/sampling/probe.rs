@@ -10,6 +10,7 @@ use crate::plan::Plan;
 use crate::plan::chemistry::receptor_pairs;
 use crate::plan::surfaces::surfaces;
 use crate::samples::ProbeRows;
+use crate::sampling::Moment;
 use crate::scene::Scene;
 use crate::vector::Vector;
 
@@ -43,10 +44,25 @@ enum Reading<const D: usize> {
 /// A species that passes a surface.
 struct Passing {
     species: usize,
+    at: Vec<Gate>,
+}
+
+/// A voxel before a surface.
+struct Gate {
+    voxel: u32,
     /// Molecules that enter, 1/s.
     enters: f64,
-    /// Share of a voxel's molecules that leaves, 1/s.
-    leaves: Vec<(u32, f64)>,
+    /// Share of the molecules that leaves, 1/s.
+    leaves: f64,
+}
+
+/// Mean of what passes a surface over a step, in units of what passes at its end. Steps begin and end with half a
+/// step of reactions, over which dn/dt = a - k n brings a voxel nearer to the surface by exp(-k τ/2), and diffusion
+/// brings it back in between: at the end less passes than before and behind. The mean over the half step before the
+/// end and the one after is sinh(x)/x with x = k τ/2, up to where rounding would be seen.
+fn over_step(x: f64) -> f64 {
+    const MOST: f64 = 5.0;
+    if x < 1e-4 { 1.0 } else { x.min(MOST).sinh() / x.min(MOST) }
 }
 
 impl<'p, const D: usize> ProbeLens<'p, D> {
@@ -71,7 +87,14 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
     }
 
     /// Reads a realization.
-    pub fn look(&self, amounts: &[f64], time: f64, realization: u32, flow: bool, rows: &mut Vec<ProbeRows>) {
+    pub fn look(
+        &self,
+        amounts: &[f64],
+        now: Moment,
+        realization: u32,
+        flow: bool,
+        rows: &mut Vec<ProbeRows>,
+    ) {
         let species = self.plan.reactor.species.len();
         let mut push = |quantity: &str, values: Vec<f64>| {
             let kept: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_finite()).collect();
@@ -81,7 +104,7 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
             rows.push(ProbeRows {
                 probe: self.probe.name.clone(),
                 realization,
-                time,
+                time: now.time,
                 quantity: quantity.to_string(),
                 s: kept.iter().map(|&k| self.s[k]).collect(),
                 position: kept.iter().map(|&k| self.place[k]).collect(),
@@ -121,10 +144,13 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
             }
         }
         if let Reading::Surface { passing } = &self.reading {
-            for Passing { species: s, enters, leaves } in passing {
-                let lost: f64 =
-                    leaves.iter().map(|&(i, rate)| rate * amounts[i as usize * species + s]).sum();
-                push(&supply_name(self.plan, *s), vec![(enters - lost) / AVOGADRO]);
+            for Passing { species: s, at } in passing {
+                let gained = |one: &Gate| {
+                    let n = amounts[one.voxel as usize * species + s];
+                    (one.enters - one.leaves * n) * over_step(0.5 * one.leaves * now.tick)
+                };
+                let supply: f64 = at.iter().map(gained).sum();
+                push(&supply_name(self.plan, *s), vec![supply / AVOGADRO]);
             }
         }
         if flow {
@@ -176,19 +202,28 @@ pub fn supplied(plan: &Plan, probe: &Probe) -> Vec<usize> {
 fn passing<const D: usize>(plan: &Plan, probe: &Probe, scene: &Scene<D>) -> Vec<Passing> {
     let reactions = at_surface(plan, probe);
     let of = |s: usize| {
-        let (mut enters, mut leaves) = (0.0, Vec::new());
+        let mut at: Vec<Gate> = Vec::new();
+        let exchange = scene.exchange(plan.reactor.habitat[s]);
         for (surface, _) in reactions.iter().filter(|(_, other)| *other == s) {
-            for facing in scene.facing(surface.number, plan.reactor.habitat[s]) {
+            for facing in scene.facing(surface.number, plan.reactor.habitat[s], &exchange) {
                 let volume = scene.volumes[facing.voxel as usize];
                 let diffusivity = plan.reactor.diffusivity[s];
                 let weight = surface.kind.weight(volume, facing.area, facing.distance, diffusivity);
-                match surface.kind {
-                    SurfaceKind::Absorption(_) => leaves.push((facing.voxel, weight)),
-                    SurfaceKind::Flux(_) | SurfaceKind::Held(_) => enters += weight,
+                let (enters, leaves) = match surface.kind {
+                    SurfaceKind::Absorption(_) => (0.0, weight),
+                    SurfaceKind::Flux(_) | SurfaceKind::Held(_) => (weight, 0.0),
+                };
+                // Reactions at one surface list its voxels in the same, rising order.
+                match at.binary_search_by_key(&facing.voxel, |gate| gate.voxel) {
+                    Ok(k) => {
+                        at[k].enters += enters;
+                        at[k].leaves += leaves;
+                    }
+                    Err(k) => at.insert(k, Gate { voxel: facing.voxel, enters, leaves }),
                 }
             }
         }
-        Passing { species: s, enters, leaves }
+        Passing { species: s, at }
     };
     supplied(plan, probe).into_iter().map(of).collect()
 }

@@ -18,7 +18,7 @@ pub mod watch;
 use crate::error::{ModelError, RunError};
 use crate::plan::{Arena, Plan};
 use crate::quantity::readable::show;
-use crate::record::{HybridRecord, StepsRecord};
+use crate::record::{FluidRecord, HybridRecord, StepsRecord, TemperatureRecord};
 use crate::sampling::Observed;
 use keep::Memory;
 use serde::{Deserialize, Serialize};
@@ -129,6 +129,8 @@ pub struct FlowTally {
     pub largest_mach: f64,
     pub largest_density_change: f64,
     pub warnings: Vec<String>,
+    /// With thermal noise.
+    pub temperature: Option<TemperatureRecord>,
 }
 
 impl FlowTally {
@@ -150,6 +152,7 @@ impl FlowTally {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
         };
+        TemperatureRecord::join(&mut self.temperature, other.temperature);
         for warning in other.warnings {
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
@@ -190,6 +193,17 @@ impl<'p> Ready<'p> {
             Ready::Line(ready) => ready.steps(),
             Ready::Plane(ready) => ready.steps(),
             Ready::Space(ready) => ready.steps(),
+        }
+    }
+
+    /// The fluid and its numbers, if anything flows.
+    #[must_use]
+    pub fn fluid(&self) -> Option<FluidRecord> {
+        match self {
+            Ready::Compartments(_) => None,
+            Ready::Line(ready) => ready.fluid(),
+            Ready::Plane(ready) => ready.fluid(),
+            Ready::Space(ready) => ready.fluid(),
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod course;
 mod flows;
+mod numbers;
 mod steps;
 
 use super::clock::{Interval, intervals};
@@ -14,12 +15,12 @@ use super::{Finish, NotReady, Watch, paths};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
 use crate::error::RunError;
 use crate::fluid::Flow;
-use crate::model::Method;
+use crate::model::{Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
 use crate::samples::SeriesBlock;
-use crate::sampling::{Lens, Observed};
+use crate::sampling::{Lens, Moment, Observed};
 use crate::scene::Scene;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -38,6 +39,8 @@ pub struct Ready<'p, const D: usize> {
     fluid_seconds: f64,
     /// Error of splitting and the time over which it was found, s.
     splitting: Option<(SplittingError, f64)>,
+    /// Of the flow, m/s.
+    sound_speed: f64,
     /// The settled flow, until the first realizations take it.
     fresh: Mutex<Option<Flow<D>>>,
 }
@@ -101,6 +104,7 @@ impl<'p, const D: usize> Ready<'p, D> {
             let splitting = estimate(plan, &scene, &frozen, &start, &clock);
             (step, limit, clock, splitting)
         };
+        let sound_speed = scene.flow.as_ref().map_or(0.0, Flow::sound_speed);
         let fresh = Mutex::new(scene.flow.take());
         Ok(Ready {
             plan,
@@ -113,6 +117,7 @@ impl<'p, const D: usize> Ready<'p, D> {
             clock,
             fluid_seconds,
             splitting,
+            sound_speed,
             fresh,
         })
     }
@@ -121,7 +126,12 @@ impl<'p, const D: usize> Ready<'p, D> {
     #[must_use]
     pub fn first_look(&self) -> SeriesBlock {
         let mut observed = Observed::new(0);
-        Lens::new(self.plan, &self.scene).look(&self.start.means(), 0.0, true, &mut observed);
+        Lens::new(self.plan, &self.scene).look(
+            &self.start.means(),
+            Moment { time: 0.0, tick: 0.0 },
+            true,
+            &mut observed,
+        );
         observed.series
     }
 
@@ -153,12 +163,19 @@ impl<'p, const D: usize> Ready<'p, D> {
         let around = Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
         let groups = self.groups();
         let walk = Walk { plan, clock: &self.clock, watch, keep, groups: (&groups, &self.scene.plan.home) };
+        // What is split and how finely, at the end of an interval.
+        let split = plan.model.chemistry.integrator == Integrator::Exponential;
+        let tick = |time: f64| {
+            let ended = self.clock.iter().find(|interval| split && interval.end == time);
+            ended.map_or(0.0, Interval::tick)
+        };
         each(realizations, 1, watch, |numbers| {
             let one = |&number: &u32| {
                 let begin = || Realization::new(plan, &self.start, number);
                 let step = |one: &mut Realization, time, tick| one.step_at_rest(&around, time, tick);
                 let look = |one: &mut Realization, time| {
-                    lens.look(&one.state.amounts, time, false, &mut one.observed);
+                    let now = Moment { time, tick: tick(time) };
+                    lens.look(&one.state.amounts, now, false, &mut one.observed);
                 };
                 (number, walk.follow(number, begin, step, look))
             };
@@ -166,12 +183,13 @@ impl<'p, const D: usize> Ready<'p, D> {
         })
     }
 
-    /// The scene at t = 0, the flow settled: the one made ready, or another like it.
-    fn scene(&self) -> Result<Scene<'p, D>, RunError> {
+    /// The scene at t = 0, the flow settled: the one made ready, or another like it; none if the user wants to stop
+    /// before.
+    fn scene(&self, watch: &Watch) -> Result<Option<Scene<'p, D>>, RunError> {
         let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).take();
         match fresh {
-            Some(flow) => Ok(Scene::at_rest(self.scene.plan).with_flow(Some(flow))),
-            None => settled(self.scene.plan, 0),
+            Some(flow) => Ok(Some(Scene::at_rest(self.scene.plan).with_flow(Some(flow)))),
+            None => settled(self.scene.plan, 0, watch),
         }
     }
 
@@ -181,14 +199,20 @@ impl<'p, const D: usize> Ready<'p, D> {
     }
 }
 
-/// The particles of a realization when the flow has settled.
-fn settled<const D: usize>(arena: &ParticlePlan<D>, realization: u32) -> Result<Scene<'_, D>, RunError> {
+/// The particles of a realization when the flow has settled; none if the user wants to stop before.
+fn settled<'p, const D: usize>(
+    arena: &'p ParticlePlan<D>,
+    realization: u32,
+    watch: &Watch,
+) -> Result<Option<Scene<'p, D>>, RunError> {
     let mut scene = Scene::new(arena, realization)?;
-    if let Some(flow) = &mut scene.flow {
-        flow.settle(arena.settle)?;
+    if let Some(flow) = &mut scene.flow
+        && !flow.settle_until(arena.settle, &|| watch.stopped())?
+    {
+        return Ok(None);
     }
     scene.look();
-    Ok(scene)
+    Ok(Some(scene))
 }
 
 /// The method, if it is event driven; the plan has seen to it that the particles then rest.

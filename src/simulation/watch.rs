@@ -39,7 +39,7 @@ impl Watch {
     /// Begins to count to `total` in `unit`s.
     pub fn begin(&self, total: u64, unit: &'static str) {
         let style = ProgressStyle::with_template(
-            "{elapsed_precise} [{bar:40.cyan/blue}] {pos}/{len} {msg} ({rate}, {eta} left)",
+            "{elapsed_precise} [{bar:30.cyan/blue}] {pos}/{len} {prefix} ({rate}, {eta} left)  {msg}",
         );
         if let Ok(style) = style {
             self.bar.set_style(style.progress_chars("=> ").with_key("rate", rate));
@@ -47,7 +47,12 @@ impl Watch {
         self.bar.set_length(total);
         self.bar.set_position(0);
         self.bar.reset();
-        self.bar.set_message(unit);
+        self.bar.set_prefix(unit);
+    }
+
+    /// Shows what is known by now.
+    pub fn tell(&self, words: String) {
+        self.bar.set_message(words);
     }
 
     /// Counts `done` more.

@@ -4,16 +4,20 @@
 //! is NaN, and the tables say so as NaN.
 
 mod accumulator;
+mod beta;
 mod comoments;
 mod comparison;
 mod gamma;
+mod normal;
 mod quantiles;
+mod student;
 
 pub use accumulator::Accumulator;
 pub use comoments::CoMoments;
 pub use comparison::{convergence_order, relative_l2, standard_score};
 pub use gamma::{chi_square_p_value, ln_gamma, regularised_gamma_p, regularised_gamma_q};
 pub use quantiles::Quantiles;
+pub use student::{student_critical, student_p_value, student_quantile};
 
 /// Location, spread and quantiles of a sample; the columns of `tables/statistics.parquet`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -54,7 +54,7 @@ pub struct Case {
 pub struct Scope<'a> {
     /// All resolutions.
     pub full: bool,
-    /// Only the parts whose name holds this text, e.g. `Re 1000 200`; where a case has such parts.
+    /// Only the parts whose name holds these words, e.g. `Re 1000 200`; where a case has such parts.
     pub only: Option<&'a str>,
 }
 
@@ -62,7 +62,14 @@ impl Scope<'_> {
     /// Whether a part runs; `quick` ones run without being asked for.
     #[must_use]
     pub fn takes(&self, part: &str, quick: bool) -> bool {
-        self.only.map_or(self.full || quick, |text| part.contains(text))
+        // Whole words: 20 is not meant to be 320.
+        let apart = |c: Option<char>| !c.is_some_and(char::is_alphanumeric);
+        let holds = |text: &str| {
+            part.match_indices(text).any(|(at, _)| {
+                apart(part[..at].chars().next_back()) && apart(part[at + text.len()..].chars().next())
+            })
+        };
+        self.only.map_or(self.full || quick, holds)
     }
 }
 

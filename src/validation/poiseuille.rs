@@ -137,7 +137,7 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
         let u: Vec<f64> = channel.profile.iter().map(|p| p[1]).collect();
         let wrong: Vec<f64> = channel.profile.iter().map(|p| p[1] - exact(p[0])).collect();
         if k == 0 {
-            profiles.push(Trace::new("particles, Ny = 20", &y, &u, Style::Points, GREY));
+            profiles.push(Trace::new(&format!("particles, {name}"), &y, &u, Style::Points, BLACK));
         }
         let (bins, mean) = averaged(&y, &wrong, channel.across as usize);
         errors.push(Trace::new(&name, &bins, &mean, Style::Line, palette(k)));
@@ -147,18 +147,16 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
             [("y", y), ("u", u), ("error", wrong)],
         ));
     }
-    profiles.push(Trace::new("exact", &fine, &parabola, Style::Line, BLACK));
-    let n: Vec<f64> = ACROSS.iter().map(|&n| f64::from(n)).collect();
+    profiles.push(Trace::new("exact", &fine, &parabola, Style::Line, GREY));
+    let n: Vec<f64> = channels.iter().map(|c| f64::from(c.across)).collect();
     let ours: Vec<f64> = channels.iter().map(|c| c.error).collect();
-    let shown = channels.len();
-    let second: Vec<f64> = n[..shown].iter().map(|n| ours[0] * (20.0 / n).powi(2)).collect();
+    let place = |c: &Channel| ACROSS.iter().position(|&n| n == c.across);
+    let published: Vec<f64> =
+        channels.iter().map(|c| place(c).map_or(f64::NAN, |k| PRINTED[0].1[k])).collect();
+    let second: Vec<f64> = n.iter().map(|fine| ours[0] * (n[0] / fine).powi(2)).collect();
     curves.push(Curves::new(
         "convergence",
-        [
-            ("across", n[..shown].to_vec()),
-            ("error", ours.clone()),
-            ("published", PRINTED[0].1[..shown].to_vec()),
-        ],
+        [("across", n.clone()), ("error", ours.clone()), ("published", published.clone())],
     ));
     let u = || Ruler::linear("u / U");
     let panels = [
@@ -179,16 +177,11 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
             x: Ruler::logarithmic("particles across"),
             y: Ruler::logarithmic("L2 error / U"),
             traces: vec![
-                Trace::new("GilleSPH", &n[..shown], &ours, Style::Line, BLACK),
-                Trace::new("", &n[..shown], &ours, Style::Points, BLACK),
-                Trace::new(
-                    "Jacob et al. 2021",
-                    &n[..shown],
-                    &PRINTED[0].1[..shown],
-                    Style::Points,
-                    palette(3),
-                ),
-                Trace::new("second order", &n[..shown], &second, Style::Dashed, GREY),
+                Trace::new("GilleSPH", &n, &ours, Style::Line, BLACK),
+                Trace::new("", &n, &ours, Style::Points, BLACK),
+                // No colour of a resolution.
+                Trace::new("Jacob et al. 2021", &n, &published, Style::Points, palette(ACROSS.len())),
+                Trace::new("second order", &n, &second, Style::Dashed, GREY),
             ],
         },
         Plot {
@@ -201,7 +194,7 @@ fn draw(rows: Vec<Row>, channels: &[Channel]) -> Findings {
     let figure = plots(
         "poiseuille",
         "Plane Poiseuille flow, Re = 10",
-        "a: every particle over the parabola. b: error, mean of each layer of one spacing. c: root mean square error \
+        "a: every particle of the coarsest channel over the parabola. b: error, mean of each layer of one spacing. c: root mean square error \
          against the number of particles across. d: mean velocity from rest.",
         &panels,
         2,

@@ -17,13 +17,6 @@ pub struct Carriers<'a> {
     pub kernel: &'a Kernel<2>,
 }
 
-/// A field and its slope at a place.
-#[derive(Clone, Copy, Debug)]
-pub struct Reading {
-    pub value: f64,
-    pub slope: Vector<2>,
-}
-
 /// Velocities of a flow at `points`, m/s; `known` are places of walls and their velocities. Not a number where too few
 /// particles are near.
 #[must_use]
@@ -35,16 +28,16 @@ pub fn velocities(look: &Look<2>, points: &[Vector<2>], known: &[(Vector<2>, Vec
         readings(&carriers, points, &known, |i| look.velocity[i][axis])
     };
     let [u, v] = [component(0), component(1)];
-    u.iter().zip(&v).map(|(u, v)| Vector::from([u.value, v.value])).collect()
+    u.iter().zip(&v).map(|(u, v)| Vector::from([*u, *v])).collect()
 }
 
 /// A field of the particles at `points`.
 #[must_use]
 pub fn field(carriers: &Carriers, points: &[Vector<2>], value: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
-    readings(carriers, points, &[], value).into_iter().map(|reading| reading.value).collect()
+    readings(carriers, points, &[], value)
 }
 
-/// A field and its slope at `points`; `known` are further places with their values, such as those of a surface, each
+/// A field at `points`; `known` are further places with their values, such as those of a surface, each
 /// with the weight of a particle at the point itself.
 #[must_use]
 pub fn readings(
@@ -52,7 +45,7 @@ pub fn readings(
     points: &[Vector<2>],
     known: &[(Vector<2>, f64)],
     value: impl Fn(usize) -> f64 + Sync,
-) -> Vec<Reading> {
+) -> Vec<f64> {
     let grid = Grid::build(carriers.positions, carriers.domain, carriers.kernel.cutoff());
     points.par_iter().map(|point| fit(point, &grid, carriers, known, &value)).collect()
 }
@@ -64,7 +57,7 @@ fn fit(
     carriers: &Carriers,
     known: &[(Vector<2>, f64)],
     value: &impl Fn(usize) -> f64,
-) -> Reading {
+) -> f64 {
     let h = carriers.kernel.cutoff();
     let weight = |r: f64| h * h * carriers.kernel.value(r);
     let mut near: Vec<(usize, Vector<2>, f64)> = Vec::new();
@@ -92,11 +85,8 @@ fn fit(
         matrix[(k, k)] += damping;
     }
     match matrix.cholesky() {
-        Some(factors) => {
-            let found = factors.solve(&right);
-            Reading { value: found[0], slope: Vector::from([found[1], found[2]]) / h }
-        }
-        None => Reading { value: f64::NAN, slope: Vector::from_element(f64::NAN) },
+        Some(factors) => factors.solve(&right)[0],
+        None => f64::NAN,
     }
 }
 
@@ -119,8 +109,7 @@ mod tests {
         let parabola = |x: &Vector<2>| 1.0 + x[0] - 2.0 * x[1] * x[1] + 3.0 * x[0] * x[1];
         for (x, found) in points.iter().zip(readings(&carriers, &points, &[], |i| parabola(&positions[i]))) {
             // The damping of 1e-8 of all weights, over the few per cent that the second moments are of it.
-            assert!((found.value - parabola(x)).abs() < 1e-5, "{found:?}");
-            assert!((found.slope[0] - (1.0 + 3.0 * x[1])).abs() < 1e-3, "{found:?}");
+            assert!((found - parabola(x)).abs() < 1e-5, "{found}");
         }
     }
 }

@@ -115,37 +115,31 @@ pub fn noise(scope: Scope) -> Result<Verdict, RunError> {
         for friction in ["morris", "espanol_revenga"] {
             let shares: &[f64] = if scope.full { &[1.0, 0.3, 0.1] } else { &[1.0, 0.1] };
             for &share in shares {
-                let mut bath = Bath::new(format!("2D {friction}, {share} of the longest step"), 2);
                 let until = if share < 0.2 && !scope.full { 400 } else { 800 };
-                bath.end = watch_plane(
-                    &Shipped {
-                        model: include_str!("../../models/validation/thermostat_2d.yaml"),
-                        reactions: None,
-                    },
-                    &values(friction, until),
-                    Pace { every: EVERY, share },
-                    |look| bath.see(look),
-                )?;
-                baths.push(bath);
+                baths.push(bath(2, friction, share, until)?);
             }
             for &share in if scope.full { shares } else { &shares[..1] } {
-                let mut bath = Bath::new(format!("3D {friction}, {share} of the longest step"), 3);
-                let until = if scope.full { 800 } else { 400 };
-                bath.end = watch_space(
-                    &Shipped {
-                        model: include_str!("../../models/validation/thermostat_3d.yaml"),
-                        reactions: None,
-                    },
-                    &values(friction, until),
-                    Pace { every: EVERY, share },
-                    |look| bath.see(look),
-                )?;
-                baths.push(bath);
+                baths.push(bath(3, friction, share, if scope.full { 800 } else { 400 })?);
             }
         }
         let rows = baths.iter().flat_map(Bath::rows).collect();
         Ok(draw(rows, &baths))
     })
+}
+
+/// A bath in two or three dimensions with friction by name, at a share of the longest step, until so many ns.
+fn bath(dimensions: usize, friction: &str, share: f64, until: u32) -> Result<Bath, RunError> {
+    let mut bath = Bath::new(format!("{dimensions}D {friction}, {share} of the longest step"), dimensions);
+    let (values, pace) = (values(friction, until), Pace { every: EVERY, share });
+    let shipped = |model| Shipped { model, reactions: None };
+    bath.end = if dimensions == 2 {
+        let model = include_str!("../../models/validation/thermostat_2d.yaml");
+        watch_plane(&shipped(model), &values, pace, |look| bath.see(look))?
+    } else {
+        let model = include_str!("../../models/validation/thermostat_3d.yaml");
+        watch_space(&shipped(model), &values, pace, |look| bath.see(look))?
+    };
+    Ok(bath)
 }
 
 /// Friction by name, and the end in ns.

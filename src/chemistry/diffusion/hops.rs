@@ -5,6 +5,7 @@ use crate::chemistry::links::Links;
 use crate::chemistry::sampling_numbers::binomial_of_log;
 use crate::error::RunError;
 use rand::Rng;
+use std::sync::OnceLock;
 
 /// The chain P = 1 + Q / Λ on the voxels, for every diffusivity at once (Q and Λ both scale with it).
 #[derive(Clone, Debug)]
@@ -16,11 +17,19 @@ pub struct HopTable {
     offsets: Vec<u32>,
     target: Vec<u32>,
     probability: Vec<f64>,
+    /// Made when the first molecule is drawn; continuous amounts need none.
+    columns: OnceLock<Vec<Column>>,
+    /// Made when the first row is dealt out by binomials.
+    chain: OnceLock<Chain>,
+}
+
+/// Chances of the binomials that deal out a row.
+#[derive(Clone, Debug, Default)]
+struct Chain {
     /// Probability of an entry given that no earlier entry of its row was taken.
     conditional: Vec<f64>,
     /// ln(1 - conditional), which a binomial by inversion starts from.
     log_passed: Vec<f64>,
-    columns: Vec<Column>,
 }
 
 /// One draw from a row costs 1.15 ns, one binomial of a chain 65 ns: `cargo bench --bench particles -- scatter`.
@@ -47,9 +56,8 @@ impl HopTable {
             offsets: Vec::with_capacity(voxels + 1),
             target: Vec::with_capacity(links.neighbour.len() + voxels),
             probability: Vec::with_capacity(links.neighbour.len() + voxels),
-            conditional: Vec::new(),
-            log_passed: Vec::new(),
-            columns: Vec::new(),
+            columns: OnceLock::new(),
+            chain: OnceLock::new(),
         };
         for (i, &volume) in volumes.iter().enumerate() {
             if !(volume > 0.0 && volume.is_finite()) {
@@ -72,10 +80,8 @@ impl HopTable {
             table.rate = table.rate.max(sum);
         }
         table.offsets.push(0);
-        let mut worker = AliasWorker::default();
         for (i, &volume) in volumes.iter().enumerate() {
             table.push_row(i, links, volume, &lives);
-            table.finish_row(i, &mut worker);
         }
         Ok(table)
     }
@@ -102,14 +108,14 @@ impl HopTable {
     /// Target of one virtual jump from voxel `i`.
     #[inline]
     pub fn jump<R: Rng>(&self, i: usize, random: &mut R) -> usize {
-        draw(&self.columns[self.range(i)], random)
+        draw(&self.columns()[self.range(i)], random)
     }
 
     /// Target of one hop from voxel `i` to another; by rejection of the jumps that stay.
     /// The voxel must have a link that leaves it.
     #[inline]
     pub fn hop<R: Rng>(&self, i: usize, random: &mut R) -> usize {
-        let columns = &self.columns[self.range(i)];
+        let columns = &self.columns()[self.range(i)];
         if self.leaving[i] > 0.25 * self.rate {
             loop {
                 let j = draw(columns, random);
@@ -136,14 +142,15 @@ impl HopTable {
     pub fn scatter<R: Rng>(&self, i: usize, count: u64, next: &mut [u64], random: &mut R) {
         let range = self.range(i);
         if count <= DRAWS_PER_BINOMIAL * range.len() as u64 {
-            let columns = &self.columns[range];
+            let columns = &self.columns()[range];
             for _ in 0..count {
                 next[draw(columns, random)] += 1;
             }
             return;
         }
         let mut left = count;
-        let chances = self.conditional[range.clone()].iter().zip(&self.log_passed[range.clone()]);
+        let chain = self.chain();
+        let chances = chain.conditional[range.clone()].iter().zip(&chain.log_passed[range.clone()]);
         for (&j, (&p, &log)) in self.target[range].iter().zip(chances) {
             let taken = binomial_of_log(random, left, p, log);
             next[j as usize] += taken;
@@ -174,17 +181,36 @@ impl HopTable {
         self.offsets.push(self.target.len() as u32);
     }
 
-    fn finish_row(&mut self, i: usize, worker: &mut AliasWorker) {
-        let range = self.range(i);
-        let probability = &self.probability[range.clone()];
-        self.conditional.resize(range.end, 1.0);
-        let mut tail = 0.0;
-        for (c, &p) in self.conditional[range.clone()].iter_mut().zip(probability).rev() {
-            tail += p;
-            *c = p / tail;
-        }
-        self.log_passed.extend(self.conditional[range.clone()].iter().map(|c| (-c).ln_1p()));
-        worker.append(&self.target[range], probability, tail, &mut self.columns);
+    #[inline]
+    fn columns(&self) -> &[Column] {
+        self.columns.get_or_init(|| {
+            let mut worker = AliasWorker::default();
+            let mut columns = Vec::with_capacity(self.target.len());
+            for range in (0..self.voxels()).map(|i| self.range(i)) {
+                let probability = &self.probability[range.clone()];
+                let total = probability.iter().rev().fold(0.0, |sum, p| sum + p);
+                worker.append(&self.target[range], probability, total, &mut columns);
+            }
+            columns
+        })
+    }
+
+    #[inline]
+    fn chain(&self) -> &Chain {
+        self.chain.get_or_init(|| {
+            let mut conditional = vec![1.0; self.target.len()];
+            for range in (0..self.voxels()).map(|i| self.range(i)) {
+                let mut tail = 0.0;
+                for (c, &p) in
+                    conditional[range.clone()].iter_mut().zip(&self.probability[range.clone()]).rev()
+                {
+                    tail += p;
+                    *c = p / tail;
+                }
+            }
+            let log_passed = conditional.iter().map(|c: &f64| (-c).ln_1p()).collect();
+            Chain { conditional, log_passed }
+        })
     }
 }
 

@@ -78,6 +78,13 @@ fn write(
     let mut faults = Vec::new();
     let job = job(options, &mut faults);
     let model = load::model(&options.model, &options.set)?;
+    if model.run.until_precision.is_some() {
+        faults.push(Fault::at(
+            &model.places.run,
+            "run.until_precision chooses the number of realizations as it goes; blocks that run apart cannot",
+            "remove it for a cluster, and give the number with --realizations",
+        ));
+    }
     let realizations = options.realizations.unwrap_or(model.run.realizations);
     if let Err(fault) = check_blocks(options.blocks, realizations) {
         faults.push(fault);

@@ -49,7 +49,8 @@ impl Continuity {
 /// minus the rate of strain.
 pub type Spread<const D: usize> = Symmetric<D>;
 
-/// Least determinant of the second moment that is inverted; an even neighbourhood has one, half of one a quarter.
+/// Least determinant of the second moment that is inverted; an even neighbourhood has one, half of one
+/// 2^-D.
 const LEAST_DETERMINANT: f64 = 0.1;
 
 /// The density rate of the corrected form but for its advection, kg/m³/s.

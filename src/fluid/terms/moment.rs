@@ -1,7 +1,7 @@
 //! The second moment of the kernel around a particle, and what friction makes of it.
 
+use crate::fluid::pass::Pair;
 use crate::fluid::symmetric::Symmetric;
-use crate::vector::Vector;
 
 /// G_i = Σ V_j F x⊗x over all neighbours, the identity where particles are many and even. Disorder changes it, and
 /// with it the Laplacian that friction sums: Σ 2 V_j F (u_i - u_j) of a quadratic u is exact only for G = 1. After
@@ -38,31 +38,30 @@ impl Moment {
         (m, !even)
     }
 
-    /// c_ij of a pair at x = x_i - x_j (m), dimensionless, from the matrices of both sides; limited if `uneven`.
+    /// c_ij of a pair, dimensionless, from the matrices of both sides; limited if `uneven`.
     #[inline(always)]
     #[must_use]
-    pub fn pair<const D: usize>(
-        &self,
-        x: &Vector<D>,
-        i: &Symmetric<D>,
-        j: &Symmetric<D>,
-        uneven: bool,
-    ) -> f64 {
-        let r2 = x.norm_squared();
+    pub fn pair<const D: usize>(&self, p: &Pair<D>, i: &Symmetric<D>, j: &Symmetric<D>, uneven: bool) -> f64 {
+        let half = 0.5 * p.inverse_square;
         if !uneven {
             let mut both = *i;
             both.add_scaled(j, 1.0);
-            return 0.5 * both.along(x) / r2;
+            return half * both.along(&p.x);
         }
-        let (low, high) = (Self::LIMITS.0 * r2, Self::LIMITS.1 * r2);
-        let limited = |c: f64| c.max(low).min(high);
-        0.5 * (limited(i.along(x)) + limited(j.along(x))) / r2
+        let limited =
+            |m: &Symmetric<D>| (half * m.along(&p.x)).max(0.5 * Self::LIMITS.0).min(0.5 * Self::LIMITS.1);
+        limited(i) + limited(j)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::Vector;
+
+    fn at<const D: usize>(x: Vector<D>) -> Pair<D> {
+        Pair { x, f: 1.0, f_shift: 0.0, inverse_square: 1.0 / x.norm_squared() }
+    }
 
     #[test]
     fn an_ideal_moment_asks_for_nothing_and_limits_hold() {
@@ -70,11 +69,11 @@ mod tests {
         let (one, uneven) = Moment.correction(&Symmetric::identity(1.0));
         assert!(!uneven);
         // Rounding of a dozen operations.
-        assert!((Moment.pair(&x, &one, &one, false) - 1.0).abs() < 1e-14);
+        assert!((Moment.pair(&at(x), &one, &one, false) - 1.0).abs() < 1e-14);
         let (thin, sparse) = Moment.correction(&Symmetric::identity(0.1));
         let (thick, dense) = Moment.correction(&Symmetric::identity(9.0));
         assert!(sparse && dense);
-        assert!((Moment.pair(&x, &thin, &thick, true) - 1.25).abs() < 1e-14);
+        assert!((Moment.pair(&at(x), &thin, &thick, true) - 1.25).abs() < 1e-14);
         assert_eq!(Moment.correction(&Symmetric::<3>::identity(0.0)), (Symmetric::identity(1.0), false));
     }
 
@@ -88,7 +87,7 @@ mod tests {
             g.add_square(&Vector::<3>::from_fn(|k, _| any(10 * n + 1 + k as u64) - 0.5), 0.6);
             let (m, limits) = Moment.correction(&g);
             let x = Vector::<3>::from_fn(|k, _| any(10 * n + 4 + k as u64) - 0.5);
-            let (with, without) = (Moment.pair(&x, &m, &m, true), Moment.pair(&x, &m, &m, false));
+            let (with, without) = (Moment.pair(&at(x), &m, &m, true), Moment.pair(&at(x), &m, &m, false));
             // Rounding of a dozen operations.
             assert!(limits || (with - without).abs() < 1e-13);
             *(if limits { &mut uneven } else { &mut even }) += 1;
@@ -111,7 +110,7 @@ mod tests {
             g
         };
         let (m, uneven) = Moment.correction(&around(&|_| 1.0));
-        let after = around(&|x| Moment.pair(x, &m, &m, uneven));
+        let after = around(&|x| Moment.pair(&at(*x), &m, &m, uneven));
         assert!((after.diagonal[0] - after.diagonal[1]).abs() < 1e-12, "{after:?}");
         assert!((after.trace() - 2.0).abs() < 2.0 * a * a, "{after:?}");
     }

@@ -26,7 +26,8 @@ impl Pressure {
                 2.0 * (i.density * j.pressure + j.density * i.pressure) / (i.density + j.density)
             }
             Pressure::Squares | Pressure::Switched => {
-                let (mine, yours) = (i.pressure * j.density / i.density, j.pressure * i.density / j.density);
+                let (mine, yours) =
+                    (i.pressure * i.inverse_density * j.density, j.pressure * j.inverse_density * i.density);
                 if self == Pressure::Switched && mine + yours < 0.0 { yours - mine } else { mine + yours }
             }
         };
@@ -43,7 +44,12 @@ mod tests {
     #[test]
     fn the_switch_acts_on_tension_alone_and_only_for_its_form() {
         let x = Vector::<2>::new(0.3, 0.1);
-        let p = Pair { x, f: Kernel::<2>::new(KernelKind::Lucy, 1.0).f(x.norm()), f_shift: 0.0 };
+        let p = Pair {
+            x,
+            f: Kernel::<2>::new(KernelKind::Lucy, 1.0).f(x.norm()),
+            f_shift: 0.0,
+            inverse_square: 1.0 / x.norm_squared(),
+        };
         let force = |form: Pressure, a: f64, b: f64| {
             let mut out = Vector::zeros();
             form.pair(&p, &side(1.0, a), &side(1.0, b), &mut out);

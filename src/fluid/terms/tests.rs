@@ -18,6 +18,8 @@ pub fn side<const D: usize>(density: f64, pressure: f64) -> Side<D> {
         drift: Vector::zeros(),
         density,
         volume: 1.0,
+        inverse_density: 1.0 / density,
+        inverse_root: 1.0,
         id: 0,
         material: Material::Fluid,
         body: 0,
@@ -38,15 +40,19 @@ fn pairs() -> Vec<(Side<3>, Side<3>, Pair<3>)> {
             let mut any = || random.random::<f64>();
             let mut vector = || V::from_fn(|_, _| 0.8 * any() - 0.4);
             let (x, a, b, c, d) = (vector(), vector(), vector(), vector(), vector());
-            let mut state = |velocity, drift| Side {
-                velocity,
-                drift,
-                volume: 0.1 + any(),
-                viscosity: 0.1 + any(),
-                ..side(0.5 + any(), any() - 0.5)
+            let mut state = |velocity, drift| {
+                let mut side = Side {
+                    velocity,
+                    drift,
+                    volume: 0.1 + any(),
+                    viscosity: 0.1 + any(),
+                    ..side(0.5 + any(), any() - 0.5)
+                };
+                side.invert();
+                side
             };
             let f = kernel.f(x.norm());
-            (state(a, b), state(c, d), Pair { x, f, f_shift: f })
+            (state(a, b), state(c, d), Pair { x, f, f_shift: f, inverse_square: 1.0 / x.norm_squared() })
         })
         .collect()
 }
@@ -148,7 +154,8 @@ fn expansion_lowers_the_density_at_the_rate_of_its_divergence() {
             - V::from_element(3.0);
         if place != V::zeros() {
             let other = Side { velocity: place, ..centre };
-            let pair = Pair { x: -place, f: kernel.f(place.norm()), f_shift: 0.0 };
+            let inverse_square = 1.0 / place.norm_squared();
+            let pair = Pair { x: -place, f: kernel.f(place.norm()), f_shift: 0.0, inverse_square };
             Continuity::Advected.pair(&approach(&centre, &other, &pair).0, &centre, &other, &mut rate);
         }
     }

@@ -18,6 +18,11 @@ pub(super) fn held(
     faults: &mut Faults,
 ) -> Option<What> {
     let mut fields = Fields::of(node, "held", faults)?;
+    let named =
+        fields.optional("species").is_some_and(|n| !matches!(&n.value, Value::Map(all) if all.is_empty()));
+    if !named {
+        faults.at(&node.place, "`held` holds no species", "say which and at what: species: { A: 1 uM }");
+    }
     let at_surface = match fields.optional("at") {
         Some(n) => n.choice(&[("particles", false), ("surface", true)], faults)?,
         None => fields.optional("in").is_some_and(|n| names_a_side(n, domain)),

@@ -3,7 +3,7 @@
 use super::{Faults, did_you_mean};
 use crate::error::Fault;
 use crate::model::node::{Node, Value};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::{Dimension, Quantity, number_length};
 
 impl Node {
     fn expected(&self, what: &str, remedy: &str, faults: &mut Faults) {
@@ -88,6 +88,22 @@ impl Node {
 
     /// A number in SI or a text with a unit of this dimension, finite; the value in SI.
     pub fn quantity(&self, dimension: Dimension, faults: &mut Faults) -> Option<f64> {
+        let begins = |text: &str| {
+            let text: Vec<char> = text.trim_start().chars().collect();
+            number_length(&text) > 0
+        };
+        if let Value::Text(text) = &self.value
+            && !begins(text)
+        {
+            let (what, remedy) = if dimension.is_none() {
+                ("a number".to_string(), "write a number without a unit, e.g. 0.5".to_string())
+            } else {
+                let example = format!("write the number first, then the unit, e.g. 5 {}", dimension.unit());
+                ("a number with a unit".to_string(), example)
+            };
+            faults.at(&self.place, format!("expected {what}, found \"{}\"", text.trim()), remedy);
+            return None;
+        }
         let quantity = self.any_quantity(faults)?;
         let bare = matches!(self.value, Value::Integer(_) | Value::Real(_));
         // A text may also be a bare number, as in quotes; it is SI like any other.

@@ -4,7 +4,8 @@
 use crate::error::RunError;
 use crate::plan::Plan;
 use crate::plan::start::Start;
-use crate::sampling::Lens;
+use crate::record::TemperatureRecord;
+use crate::sampling::{Lens, Moment};
 use crate::scene::{self, Scene};
 use crate::simulation::clock::Interval;
 use crate::simulation::freeze::freeze;
@@ -43,16 +44,34 @@ pub(super) struct Crew {
 pub(super) struct Travelled {
     pub crew: Crew,
     pub course: CourseShare,
+    /// Temperatures at the output times of the second half.
+    warmth: TemperatureRecord,
     /// Whether the realizations that are left came to the end.
     pub arrived: bool,
     pub interrupted: bool,
 }
 
-/// A course between two chemistry steps: intervals and steps of the current one behind it.
-#[derive(Deserialize)]
-struct Saved<const D: usize> {
+/// Where a course stands: intervals that are behind it, chemistry steps of the present one, and fluid steps of the
+/// present one of these (none: its first half of chemistry is still to come).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Point {
     interval: usize,
     ticks: u64,
+    fluid_steps: u64,
+}
+
+impl Point {
+    /// Whether it is in the chemistry step of another.
+    fn reaches(&self, other: &Point) -> bool {
+        self.interval == other.interval && self.ticks == other.ticks
+    }
+}
+
+/// A course that was kept.
+#[derive(Deserialize)]
+struct Saved<const D: usize> {
+    at: Point,
+    warmth: TemperatureRecord,
     scene: scene::Image<'static, D>,
     members: Vec<Image>,
     course: CourseShare,
@@ -61,8 +80,8 @@ struct Saved<const D: usize> {
 /// A [`Saved`] on its way out.
 #[derive(Serialize)]
 struct Saving<'a, const D: usize> {
-    interval: usize,
-    ticks: u64,
+    at: Point,
+    warmth: TemperatureRecord,
     scene: scene::Image<'a, D>,
     members: Images<'a>,
     course: CourseShare,
@@ -93,49 +112,64 @@ impl<const D: usize> Course<'_, '_, D> {
             Some(state) => self.take_up(decode(&state, name)?, &mut way).ok_or_else(|| foreign(name))?,
             None => {
                 way.crew.members = begin();
-                (0, 0)
+                Point::default()
             }
         };
         let mut frozen = freeze(self.plan, &self.scene, self.start)?;
         let mut reservoirs = Reservoirs::new(self.plan, &self.scene);
         let (patience, mut saved_at) = (self.keep.patience(), Instant::now());
         let piece = (TOGETHER / way.crew.members.len().max(1)).clamp(1 << 10, PIECE);
-        for (i, interval) in self.clock.iter().enumerate().skip(from.0) {
+        for (i, interval) in self.clock.iter().enumerate().skip(from.interval) {
             let tick = interval.tick();
-            let first = if i == from.0 { from.1 } else { 0 };
+            let first = if i == from.interval { from.ticks } else { 0 };
             for k in first..interval.ticks {
-                let stop = self.watch.stopped();
-                let due = patience.is_some_and(|patience| stop || saved_at.elapsed() > patience);
-                // What has just begun is begun again as fast as it is taken up.
-                if due && (i, k) > from {
-                    self.save(name, (i, k), &way)?;
-                    saved_at = Instant::now();
-                }
-                if stop {
-                    way.interrupted = true;
-                    return Ok(way);
-                }
                 let (time, half) = (interval.time(k), 0.5 * tick);
-                let chemistry = Instant::now();
                 let (plan, start) = (self.plan, self.start);
-                let before = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
-                way.crew.advance(|one| one.before_motion(&before, time, half));
-                if let Some(first) = way.crew.members.first().filter(|_| !self.scene.plan.lifts.is_empty()) {
-                    self.scene.lift(&first.state.amounts, plan.reactor.species.len());
+                let mut at = Point { interval: i, ticks: k, fluid_steps: 0 };
+                if at.reaches(&from) {
+                    at.fluid_steps = from.fluid_steps;
                 }
-                let fluid = Instant::now();
-                way.course.chemistry_seconds += (fluid - chemistry).as_secs_f64();
-                let moved = self.scene.advance(tick / interval.fluid_steps as f64, interval.fluid_steps);
-                let chemistry = Instant::now();
-                way.course.fluid_seconds += (chemistry - fluid).as_secs_f64();
-                match moved.and_then(|()| freeze(plan, &self.scene, start)) {
-                    Ok(found) => frozen = found,
-                    Err(found) => {
-                        // The flow carries them all.
-                        way.crew.error.get_or_insert(found);
-                        self.book(&mut way.course);
+                // Before the motion, and again each time it is broken off, the state can be saved.
+                while at.fluid_steps < interval.fluid_steps.max(1) {
+                    let stop = self.watch.stopped();
+                    let due = patience.is_some_and(|patience| stop || saved_at.elapsed() > patience);
+                    // What has just begun is begun again as fast as it is taken up.
+                    if due && at != from {
+                        self.save(name, at, &way)?;
+                        saved_at = Instant::now();
+                    }
+                    if stop {
+                        way.interrupted = true;
                         return Ok(way);
                     }
+                    let chemistry = Instant::now();
+                    if at.fluid_steps == 0 {
+                        let before = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
+                        way.crew.advance(|one| one.before_motion(&before, time, half));
+                        let lifted = way.crew.members.first().filter(|_| !self.scene.plan.lifts.is_empty());
+                        if let Some(first) = lifted {
+                            self.scene.lift(&first.state.amounts, plan.reactor.species.len());
+                        }
+                    }
+                    let fluid = Instant::now();
+                    way.course.chemistry_seconds += (fluid - chemistry).as_secs_f64();
+                    let watch = self.watch;
+                    let break_off =
+                        || watch.stopped() || patience.is_some_and(|patience| saved_at.elapsed() > patience);
+                    let left = interval.fluid_steps - at.fluid_steps;
+                    let moved = self.scene.advance(tick / interval.fluid_steps as f64, left, &break_off);
+                    way.course.fluid_seconds += fluid.elapsed().as_secs_f64();
+                    match moved {
+                        Ok(taken) if taken == left => break,
+                        Ok(taken) => at.fluid_steps += taken,
+                        // The flow carries them all.
+                        Err(found) => return Ok(self.failed(found, way)),
+                    }
+                }
+                let chemistry = Instant::now();
+                match freeze(plan, &self.scene, start) {
+                    Ok(found) => frozen = found,
+                    Err(found) => return Ok(self.failed(found, way)),
                 }
                 reservoirs = Reservoirs::new(plan, &self.scene);
                 let after = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
@@ -146,34 +180,46 @@ impl<const D: usize> Course<'_, '_, D> {
                 });
                 way.course.chemistry_seconds += chemistry.elapsed().as_secs_f64();
                 if way.crew.members.is_empty() {
-                    self.book(&mut way.course);
+                    self.book(&mut way);
                     return Ok(way);
                 }
                 self.watch.advance(1);
             }
             let lens = Lens::new(self.plan, &self.scene);
             let look = |one: &mut Realization| {
-                lens.look(&one.state.amounts, interval.end, self.shared, &mut one.observed);
+                let now = Moment { time: interval.end, tick };
+                lens.look(&one.state.amounts, now, self.shared, &mut one.observed);
                 hand_over(&mut one.observed, self.keep, piece)
             };
             way.crew.members.par_iter_mut().try_for_each(look)?;
+            // A flow may start cold: what it has come to is what counts.
+            if 2.0 * interval.end >= self.plan.model.run.until
+                && let Some(temperature) = self.scene.temperature()
+            {
+                way.warmth.look(temperature);
+            }
         }
-        self.book(&mut way.course);
+        self.book(&mut way);
         way.arrived = true;
         Ok(way)
     }
 
-    /// Keeps the state between two steps.
-    fn save(&mut self, name: &str, (interval, ticks): (usize, u64), way: &Travelled) -> Result<(), RunError> {
-        let mut course = way.course.clone();
-        self.book(&mut course);
-        let members = Images(&way.crew.members);
-        let state = Saving { interval, ticks, scene: self.scene.image(), members, course };
-        save(self.keep, name, &state)
+    /// The end of a course whose flow failed.
+    fn failed(&self, found: RunError, mut way: Travelled) -> Travelled {
+        way.crew.error.get_or_insert(found);
+        self.book(&mut way);
+        way
     }
 
-    /// Goes back to a state; intervals and steps behind it. `None` if it belongs to another plan.
-    fn take_up(&mut self, saved: Saved<D>, way: &mut Travelled) -> Option<(usize, u64)> {
+    /// Keeps the state between two steps.
+    fn save(&self, name: &str, at: Point, way: &Travelled) -> Result<(), RunError> {
+        let members = Images(&way.crew.members);
+        let (scene, course) = (self.scene.image(), way.course.clone());
+        save(self.keep, name, &Saving { at, scene, members, course, warmth: way.warmth })
+    }
+
+    /// Goes back to a state; where it stands. `None` if it belongs to another plan.
+    fn take_up(&mut self, saved: Saved<D>, way: &mut Travelled) -> Option<Point> {
         self.scene.restore(saved.scene)?;
         for image in saved.members {
             way.crew.members.push(Realization::restore(self.plan, image)?);
@@ -181,12 +227,14 @@ impl<const D: usize> Course<'_, '_, D> {
         let prepared = way.course.fluid_seconds;
         way.course = saved.course;
         way.course.fluid_seconds += prepared;
-        Some((saved.interval, saved.ticks))
+        way.warmth = saved.warmth;
+        Some(saved.at)
     }
 
     /// What the flow says of itself.
-    fn book(&self, course: &mut CourseShare) {
+    fn book(&self, way: &mut Travelled) {
         let Some(flow) = &self.scene.flow else { return };
+        let course = &mut way.course;
         course.particle_steps = flow.particle_steps();
         course.pair_evaluations = flow.pair_evaluations();
         let health = flow.health();
@@ -197,6 +245,7 @@ impl<const D: usize> Course<'_, '_, D> {
             largest_mach: health.largest_mach,
             largest_density_change: health.largest_density_change,
             warnings: health.warnings,
+            temperature: Some(way.warmth).filter(|warmth| warmth.looks > 0),
         };
     }
 }

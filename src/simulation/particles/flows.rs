@@ -41,7 +41,10 @@ impl<'p, const D: usize> Ready<'p, D> {
         keep: &dyn Keep,
     ) -> Result<(), RunError> {
         let begun = Instant::now();
-        let scene = self.scene()?;
+        let Some(scene) = self.scene(watch)? else {
+            finish.interrupted = true;
+            return Ok(());
+        };
         let prepared = begun.elapsed().as_secs_f64();
         let name = format!("flow-{}", numbers.first().copied().unwrap_or(0));
         let begin = || numbers.iter().map(|&n| Realization::new(self.plan, &self.start, n)).collect();
@@ -61,7 +64,9 @@ impl<'p, const D: usize> Ready<'p, D> {
     /// One realization from the flow at rest to its end.
     fn one_flow(&self, number: u32, watch: &Watch, keep: &dyn Keep) -> Found {
         let begun = Instant::now();
-        let scene = settled(self.scene.plan, number)?;
+        let Some(scene) = settled(self.scene.plan, number, watch)? else {
+            return Ok(false);
+        };
         let start = start(self.plan, &scene.places());
         let name = format!("realization-{number}");
         let prepared = begun.elapsed().as_secs_f64();
@@ -94,7 +99,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         keep: &dyn Keep,
         name: &str,
     ) -> Result<(), RunError> {
-        let Travelled { crew: Crew { members, error }, course, arrived, interrupted } = way;
+        let Travelled { crew: Crew { members, error }, course, arrived, interrupted, .. } = way;
         finish.interrupted |= interrupted;
         let groups = self.groups();
         for one in members {

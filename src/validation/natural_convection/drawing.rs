@@ -53,7 +53,7 @@ pub fn draw(found: &[Convection]) -> (Vec<Curves>, Vec<Figure>) {
     figures.push(plots(
         "natural_convection",
         "Profiles right of the cylinder",
-        "On y = L/2 from the cylinder (0.6) to the wall (1); means over the last 5 free-fall times.",
+        "On y = L/2 from the cylinder (0.6) to the wall (1); means over the states at the end.",
         &panels,
         2,
         48.0,

@@ -1,13 +1,12 @@
-//! Profiles, map and Nusselt number read off the particles of a state.
+//! Profiles and map read off the particles of a state.
 
 use super::{Convection, HOT, RADIUS, SIDE};
 use crate::chemistry::AVOGADRO;
 use crate::figures::contour::GridField;
 use crate::fluid::{Domain, Kernel};
 use crate::samples::ParticleFrame;
-use crate::validation::reading::{Carriers, field, readings};
+use crate::validation::reading::{Carriers, field};
 use crate::vector::Vector;
-use std::f64::consts::{PI, TAU};
 
 /// Nodes of the map, 1/100 apart; inside the cylinder not a number.
 pub fn grid() -> GridField {
@@ -44,19 +43,4 @@ pub fn read(
         })
         .collect();
     add(&mut one.field.values, field(&carriers, &nodes, c));
-    // Flux out of the cylinder from slopes at its surface, where c is known.
-    let surface: Vec<Vector<2>> = (0..240)
-        .map(|k| {
-            let angle = TAU * f64::from(k) / 240.0;
-            Vector::from([0.5 + RADIUS * angle.cos(), 0.5 + RADIUS * angle.sin()]) * SIDE
-        })
-        .collect();
-    let known: Vec<(Vector<2>, f64)> = surface.iter().map(|&x| (x, 1.0)).collect();
-    let middle = Vector::from_element(0.5 * SIDE);
-    let slopes = readings(&carriers, &surface, &known, c);
-    let outward =
-        surface.iter().zip(&slopes).map(|(x, seen)| -seen.slope.dot(&(x - middle).normalize()) * SIDE);
-    let mean = outward.sum::<f64>() / surface.len() as f64;
-    // Flux over the cylinder in κ ΔC; the published number is half of it.
-    one.nusselt += share * 0.5 * mean * 2.0 * PI * RADIUS;
 }
