@@ -8,7 +8,7 @@
 //!
 //! | module | one line |
 //! |---|---|
-//! | [`error`], [`quantity`], [`random`], [`vector`] | faults with file, line and remedy; numbers with units; named random streams; small vectors |
+//! | [`error`], [`packet`], [`quantity`], [`random`], [`vector`] | faults with file, line and remedy; files that outlive a crash; numbers with units; named random streams; small vectors |
 //! | [`chemistry`] | networks, propensities, exact samplers and rate equations on a weighted graph of voxels |
 //! | [`geometry`] | shapes as signed distances, and the lattices that fill them |
 //! | [`fluid`] | SPH-BVF: one file per equation, fused in one pass; conductances for the chemistry |
@@ -17,6 +17,7 @@
 //! | [`record`], [`samples`], [`scene`] | what a run says of itself; what it has shown; particles at an instant |
 //! | [`sampling`], [`simulation`] | what is seen when; realizations on one flow, at rest, or event driven |
 //! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
+//! | [`comparison`] | two runs side by side: what differs, what would have been seen |
 //! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
 //! | [`ensemble`] | many realizations from plan to tables: journal, states to resume from, joining blocks |
 //! | [`cluster`] | an ensemble as many jobs: folders of blocks, scripts for schedulers, where each block stands |
@@ -46,6 +47,7 @@
 //! ```
 
 pub mod error;
+pub mod packet;
 pub mod quantity;
 pub mod random;
 pub mod vector;
@@ -66,6 +68,8 @@ pub mod simulation;
 
 pub mod statistics;
 pub mod tables;
+
+pub mod comparison;
 
 pub mod figures;
 pub mod report;

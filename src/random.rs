@@ -26,6 +26,8 @@ pub enum Purpose {
     Noise = 6,
     /// Change of a species between whole molecules and real amounts.
     Representation = 7,
+    /// Samples drawn again from a sample, for confidence intervals.
+    Bootstrap = 8,
 }
 
 /// The stream of one purpose in one realization of a run with this seed.

@@ -147,12 +147,31 @@ impl<'p, const D: usize> Scene<'p, D> {
         Some(())
     }
 
+    /// Shows particles as they were when a flow was recorded.
+    pub fn show(&mut self, snapshot: Snapshot<D>, presence: Vec<Presence>) {
+        self.snapshot = snapshot;
+        self.see(presence);
+    }
+
+    /// Who is in the box and who is not, where there are open ends.
+    #[must_use]
+    pub fn presence(&self) -> &[Presence] {
+        &self.presence
+    }
+
     /// Reads places and volumes off the flow.
     pub fn look(&mut self) {
+        let mut presence = Vec::new();
         if let Some(flow) = &self.flow {
             self.snapshot = flow.snapshot();
+            presence = flow.presence().unwrap_or_default();
         }
-        self.note_presence();
+        self.see(presence);
+    }
+
+    /// Takes places and volumes off the snapshot.
+    fn see(&mut self, presence: Vec<Presence>) {
+        self.note_presence(presence);
         self.positions = self.snapshot.position.iter().map(embed).collect();
         self.volumes = self.snapshot.volume.iter().map(|v| v * self.plan.thickness).collect();
         self.current = self
@@ -171,13 +190,9 @@ impl<'p, const D: usize> Scene<'p, D> {
     }
 
     /// Who is in the box, and who came and went since it was asked last.
-    fn note_presence(&mut self) {
+    fn note_presence(&mut self, now: Vec<Presence>) {
         self.home.clone_from(&self.plan.home);
-        let Some((openings, now)) =
-            self.plan.openings.as_ref().zip(self.flow.as_ref().and_then(|flow| flow.presence()))
-        else {
-            return;
-        };
+        let Some(openings) = self.plan.openings.as_ref().filter(|_| !now.is_empty()) else { return };
         let boundary = self.plan.home.iter().copied().max().unwrap_or(0);
         let axis = openings.open.axis;
         let domain = &self.plan.domain;

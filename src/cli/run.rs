@@ -74,6 +74,12 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     let dir = options.out.clone().unwrap_or_else(|| Path::new("reports").join(&model.name));
     let earlier = look(&dir, Claim { resume: options.resume, force: options.force })?;
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().ok();
+    if matches!(earlier, Earlier::Undrawn) {
+        release(&dir);
+        report::write(&dir)?;
+        tell!("the run was finished; report: {}", dir.join("report.html").display());
+        return Ok(());
+    }
 
     let plan = Plan::new(model, block.end - block.start)?;
     let ready = Ready::new(&plan).map_err(|error| match error {
@@ -83,7 +89,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     let mut record = ensemble::record(&plan, &block, &ready, threads);
     // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
     let watch = Watch::on_terminal(options.quiet);
-    let held = claim(&dir, &record, &earlier)?;
+    let _held = claim(&dir, &record, &earlier)?;
     if let Earlier::Interrupted(then) = &earlier {
         let (now, then) = (&mut record.performance, &then.performance);
         now.wall_seconds = then.wall_seconds;
@@ -112,7 +118,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     // The record last: a folder with a finished record is complete.
     tables::write_record(&dir, &record)?;
     if record.status == "finished" {
-        release(&dir, held);
+        release(&dir);
     }
     if realizations > 0 && times > 0 {
         let drawn = report::write(&dir);
@@ -175,7 +181,7 @@ fn threads(asked: Option<usize>) -> Result<usize, Fault> {
 fn announce(plan: &Plan, record: &RunRecord, earlier: &Earlier, dir: &Path, threads: usize) {
     let block = record.realizations;
     let how = match earlier {
-        Earlier::Nothing => "",
+        Earlier::Nothing | Earlier::Undrawn => "",
         Earlier::Interrupted(_) => ", taken up where it was left",
     };
     tell!(

@@ -4,7 +4,7 @@ use crate::error::{Fault, ModelError, RunError};
 use crate::model::changes::differences;
 use crate::record::RunRecord;
 use crate::tables;
-use std::fs::{File, TryLockError};
+use std::fs::{DirEntry, File, TryLockError};
 use std::path::Path;
 
 /// What an earlier run left.
@@ -12,6 +12,8 @@ pub enum Earlier {
     Nothing,
     /// Its record; what it has seen lies in its folder `checkpoint`.
     Interrupted(Box<RunRecord>),
+    /// All but the report, before which it was stopped.
+    Undrawn,
 }
 
 /// What is to become of an earlier run.
@@ -36,7 +38,10 @@ pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
     if dir.exists() && !dir.is_dir() {
         return fault(format!("{shown} is not a folder"), "name another one with --out");
     }
-    let empty = !dir.exists() || dir.read_dir().is_ok_and(|mut entries| entries.next().is_none());
+    // A run that was killed as it began leaves no more than a folder for what it would have kept.
+    let unused =
+        |entry: std::io::Result<DirEntry>| entry.is_ok_and(|entry| entry.file_name() == "checkpoint");
+    let empty = !dir.exists() || dir.read_dir().is_ok_and(|mut entries| entries.all(unused));
     if empty {
         if claim.resume {
             return fault(format!("{shown} holds no run to resume"), "leave out --resume");
@@ -56,6 +61,9 @@ pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
     };
     if claim.force {
         return Ok(Earlier::Nothing);
+    }
+    if record.status == "finished" && claim.resume && !dir.join("report.html").exists() {
+        return Ok(Earlier::Undrawn);
     }
     if record.status == "finished" {
         return fault(
@@ -99,8 +107,15 @@ pub fn claim(dir: &Path, record: &RunRecord, earlier: &Earlier) -> Result<Held, 
         Err(TryLockError::Error(_)) => {}
     }
     match earlier {
-        Earlier::Nothing => clear(dir).map_err(|error| unusable(error.to_string()))?,
-        Earlier::Interrupted(then) => same_run(dir, record, then)?,
+        Earlier::Nothing | Earlier::Undrawn => {
+            // From here on it is a run that can be resumed, whatever is left of an earlier one.
+            let begun = tables::write_record(dir, record).and_then(|()| clear(dir));
+            begun.map_err(|error| unusable(error.to_string()))?;
+        }
+        Earlier::Interrupted(then) => {
+            same_run(dir, record, then)?;
+            remove_drafts(dir);
+        }
     }
     Ok(Held { _lock: lock })
 }
@@ -136,7 +151,7 @@ fn same_run(dir: &Path, now: &RunRecord, then: &RunRecord) -> Result<(), ModelEr
     if faults.is_empty() { Ok(()) } else { Err(ModelError { faults }) }
 }
 
-/// Removes what an earlier run left in a folder, and nothing else; the lock stays.
+/// Removes what an earlier run left in a folder, and nothing else; record and lock stay.
 fn clear(dir: &Path) -> Result<(), RunError> {
     let remove = |path: &Path| -> Result<(), RunError> {
         let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
@@ -147,7 +162,7 @@ fn clear(dir: &Path) -> Result<(), RunError> {
             _ => Ok(()),
         }
     };
-    for name in ["run.json", "report.html", "tables", "figures", "vtk"] {
+    for name in ["report.html", "tables", "figures", "vtk"] {
         remove(&dir.join(name))?;
     }
     let folder = dir.join("checkpoint");
@@ -158,9 +173,21 @@ fn clear(dir: &Path) -> Result<(), RunError> {
         .map_err(|error| RunError::File { path: dir.display().to_string(), reason: error.to_string() })
 }
 
+/// Removes files that a killed run did not finish.
+fn remove_drafts(dir: &Path) {
+    for entry in dir.read_dir().into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            remove_drafts(&path);
+        } else if entry.file_name().to_string_lossy().starts_with(".writing-") {
+            // One that stays is only in the way of the eye.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
 /// Removes the folder `checkpoint` of a finished run.
-pub fn release(dir: &Path, held: Held) {
+pub fn release(dir: &Path) {
     // What cannot be removed harms nobody.
     let _ = std::fs::remove_dir_all(dir.join("checkpoint"));
-    drop(held);
 }

@@ -1,14 +1,15 @@
 //! What a run has seen, written down as it comes: an append-only file that outlives a kill at any moment.
 //!
-//! Entries go to the file in frames: length, checksum, compressed entries. A frame that was cut short by a crash is
+//! Entries go to the file in frames ([`packet`]). A frame that was cut short by a crash is
 //! the last one and is cut off when the file is opened again; a damaged one before it is told and refused.
 
 use crate::error::RunError;
+use crate::packet::{self, Found};
 use crate::simulation::{CourseShare, Piece, Share};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -25,9 +26,6 @@ const FRAME: usize = 1 << 18;
 const WAIT: Duration = Duration::from_millis(200);
 /// Frames on their way to the disk for longer than this are driven there.
 const SYNC: Duration = Duration::from_secs(5);
-
-/// Length, checksum.
-const HEAD: usize = 8;
 
 /// A journal open for writing.
 pub struct Journal {
@@ -124,15 +122,9 @@ impl Journal {
     /// As [`Journal::append`].
     pub fn flush(&mut self) -> Result<(), RunError> {
         if !self.pending.is_empty() {
-            let body = zstd::bulk::compress(&self.pending, 1).map_err(|e| self.fault(&e.to_string()))?;
-            let length = u32::try_from(body.len()).map_err(|e| self.fault(&e.to_string()))?;
-            let mut frame = Vec::with_capacity(HEAD + body.len());
-            frame.extend(length.to_le_bytes());
-            frame.extend(crc32fast::hash(&body).to_le_bytes());
-            frame.extend(body);
-            let written = self.file.seek(SeekFrom::Start(self.end)).and_then(|_| self.file.write_all(&frame));
-            written.map_err(|error| file_fault(&self.path, &error))?;
-            self.end += frame.len() as u64;
+            let end = SeekFrom::Start(self.end);
+            let written = self.file.seek(end).and_then(|_| packet::write(&mut self.file, &self.pending));
+            self.end += written.map_err(|error| file_fault(&self.path, &error))?;
             self.pending.clear();
         }
         self.flushed = Instant::now();
@@ -256,38 +248,23 @@ fn read_frame(
     start: u64,
     length: u64,
 ) -> Result<Option<(u64, Vec<Entry>)>, RunError> {
-    let fault = |reason: &str| RunError::File { path: path.display().to_string(), reason: reason.into() };
-    let broken = || fault("damaged; start anew with --force");
-    if start + HEAD as u64 > length {
-        return Ok(None);
-    }
-    let mut head = [0; HEAD];
-    let read = |file: &mut File, at: u64, into: &mut [u8]| -> Result<(), RunError> {
-        file.seek(SeekFrom::Start(at))
-            .and_then(|_| file.read_exact(into))
-            .map_err(|error| file_fault(path, &error))
+    let broken = || RunError::File {
+        path: path.display().to_string(),
+        reason: "damaged; start anew with --force".into(),
     };
-    read(file, start, &mut head)?;
-    let word = |k: usize| u32::from_le_bytes([head[k], head[k + 1], head[k + 2], head[k + 3]]);
-    let (size, checksum) = (u64::from(word(0)), word(4));
-    let end = start + HEAD as u64 + size;
-    if end > length {
-        return Ok(None);
-    }
-    let mut body = vec![0; size as usize];
-    read(file, start + HEAD as u64, &mut body)?;
-    if size == 0 || crc32fast::hash(&body) != checksum {
-        // A crash of the machine can leave a last frame that is long enough but not all there.
-        return if end == length || size == 0 { Ok(None) } else { Err(broken()) };
-    }
-    let bytes = zstd::stream::decode_all(body.as_slice()).map_err(|_| broken())?;
-    let (mut entries, mut rest) = (Vec::new(), bytes.as_slice());
+    let found = file.seek(SeekFrom::Start(start)).and_then(|_| packet::read(file, length - start));
+    let (size, content) = match found.map_err(|error| file_fault(path, &error))? {
+        Found::Packet(size, content) => (size, content),
+        Found::End => return Ok(None),
+        Found::Damaged => return Err(broken()),
+    };
+    let (mut entries, mut rest) = (Vec::new(), content.as_slice());
     while !rest.is_empty() {
         let (entry, left) = postcard::take_from_bytes(rest).map_err(|_| broken())?;
         entries.push(entry);
         rest = left;
     }
-    Ok(Some((end - start, entries)))
+    Ok(Some((size, entries)))
 }
 
 /// Realizations that are finished by a journal another process may be writing; none where there is no journal.
@@ -389,7 +366,7 @@ mod tests {
         }
         drop(journal);
         let mut bytes = std::fs::read(&path).unwrap();
-        bytes[HEAD + 1] ^= 1;
+        bytes[packet::HEAD as usize + 1] ^= 1;
         std::fs::write(&path, bytes).unwrap();
         let message = Journal::open(&path, &mut |_| {}).err().unwrap().to_string();
         assert!(message.contains("damaged") && message.contains("--force"), "{message}");

@@ -5,7 +5,7 @@ use crate::fluid::setup::BodyKind;
 use crate::vector::Vector;
 
 /// The particles at one time, in the order of [`Setup::particles`](crate::fluid::Setup).
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Snapshot<const D: usize> {
     /// m, inside the box on periodic axes.
     pub position: Vec<Vector<D>>,

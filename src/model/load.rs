@@ -1,10 +1,12 @@
 //! From files to a checked [`Model`]: every fault of every file in one report.
 
+use super::conditions::What;
 use super::node::{self, Node, Value};
 use super::reader::{Faults, Fields};
 use super::times::End;
 use super::{
-    Chemistry, Integrator, Method, Model, Places, Run, domain, initial, names, output, precision, reactions,
+    Chemistry, Integrator, Method, Model, Places, Run, domain, flow_file, initial, names, output, precision,
+    reactions,
 };
 use crate::chemistry::{Network, Representation};
 use crate::error::{Fault, ModelError, Place, Source};
@@ -144,6 +146,7 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
         fields.optional("fluid"),
         fields.optional("conditions"),
     ];
+    let flow_node = fields.optional("flow");
     let chemistry_node = fields.optional("chemistry");
     let initial_node = fields.optional("initial");
     let run_node = fields.required("run", faults);
@@ -179,12 +182,31 @@ fn read(root: &Node, path: &Path, text: &mut ModelText, faults: &mut Faults) -> 
     let mut precision = asked.and_then(|node| precision::read(node, end, &domain, &network, faults));
     let output = output::read_output(output_node, end, &domain, &network, precision.as_mut(), faults);
     let run = Run { until_precision: precision, ..run? };
+    let flow = flow_node.and_then(|n| flow_file::read(n, path.parent().unwrap_or(Path::new("")), faults));
+    if let Some(node) = flow_node {
+        let reason = match &domain {
+            domain::Domain::Particles(domain) if domain.fluid.is_some() => {
+                let alone = domain.fluid.as_ref().is_some_and(|fluid| fluid.temperature.is_some());
+                let lifted = domain.conditions.iter().any(|c| matches!(c.what, What::Buoyancy { .. }));
+                match (alone, lifted) {
+                    (true, _) => "with thermal noise each realization has a flow of its own",
+                    (_, true) => "with buoyancy the flow depends on the species",
+                    _ => "",
+                }
+            }
+            _ => "nothing flows in this model",
+        };
+        if !reason.is_empty() {
+            faults.at(&node.place, format!("{reason}: there is no flow to share"), "leave `flow` out");
+        }
+    }
     let place = |node: Option<&Node>| node.map_or_else(|| root.place.clone(), |n| n.place.clone());
     Some(Model {
         name: name?,
         description,
         network,
         domain,
+        flow,
         chemistry: chemistry?,
         initial,
         run,

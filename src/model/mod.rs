@@ -3,6 +3,7 @@
 pub mod changes;
 pub mod conditions;
 pub mod domain;
+pub mod flow_file;
 pub mod fluid;
 pub mod graph;
 pub mod groups;
@@ -24,6 +25,7 @@ use crate::record::ModelText;
 
 pub use conditions::Condition;
 pub use domain::{Boundary, Domain, ParticleDomain};
+pub use flow_file::FlowFile;
 pub use fluid::{FluidModel, FluidPlaces};
 pub use groups::{Group, Material};
 pub use initial::{Amount, Deal, Initial};
@@ -39,6 +41,8 @@ pub struct Model {
     pub description: String,
     pub network: Network,
     pub domain: Domain,
+    /// Where the flow is recorded, or taken from.
+    pub flow: Option<FlowFile>,
     pub chemistry: Chemistry,
     pub initial: Vec<Initial>,
     pub run: Run,

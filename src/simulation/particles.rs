@@ -3,6 +3,7 @@
 mod course;
 mod flows;
 mod numbers;
+mod recording;
 mod steps;
 
 use super::clock::{Interval, intervals};
@@ -13,15 +14,17 @@ use super::realization::{Realization, Reservoirs, Surroundings};
 use super::walk::Walk;
 use super::{Finish, NotReady, Watch, paths};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
-use crate::error::RunError;
+use crate::error::{Fault, ModelError, RunError};
 use crate::fluid::Flow;
-use crate::model::{Integrator, Method};
+use crate::model::{FlowFile, Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
+use crate::quantity::readable::show;
 use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Moment, Observed};
 use crate::scene::Scene;
+use recording::{Frame, Player, Title};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use steps::{bounds, buoyant_pull, estimate};
@@ -53,7 +56,19 @@ impl<'p, const D: usize> Ready<'p, D> {
     pub fn new(plan: &'p Plan, arena: &'p ParticlePlan<D>) -> Result<Ready<'p, D>, NotReady> {
         let begun = Instant::now();
         let until = plan.model.run.until;
-        let mut scene = Scene::new(arena, 0)?;
+        let mut player = match &plan.model.flow {
+            Some(FlowFile::Replay(path)) => Some(Player::open(path, arena)?),
+            _ => None,
+        };
+        let mut scene = match &mut player {
+            Some(player) => {
+                let mut scene = Scene::at_rest(arena);
+                let Frame { snapshot, presence } = player.next()?;
+                scene.show(snapshot, presence);
+                scene
+            }
+            None => Scene::new(arena, 0)?,
+        };
         let mut fluid = None;
         if let Some(flow) = &mut scene.flow {
             let before = flow.step_limit();
@@ -66,7 +81,9 @@ impl<'p, const D: usize> Ready<'p, D> {
             check_steps(place, "fluid", limit.seconds, &limit.limited_by, duration)?;
             fluid = Some((limit.seconds, limit.limited_by));
         }
-        scene.look();
+        if player.is_none() {
+            scene.look();
+        }
         let fluid_seconds = begun.elapsed().as_secs_f64();
         check_amounts(plan, &scene.places())?;
         let start = start(plan, &scene.places());
@@ -100,7 +117,10 @@ impl<'p, const D: usize> Ready<'p, D> {
                 None => (bounds.step(), bounds.limited_by().to_string()),
             };
             check_steps(&plan.model.places.chemistry, "chemistry", step, &limit, until)?;
-            let clock = intervals(&plan.model.output.times, step, fluid.as_ref().map(|f| f.0));
+            let clock = match &player {
+                Some(player) => recorded(plan, &player.title, (step, &limit))?,
+                None => intervals(&plan.model.output.times, step, fluid.as_ref().map(|f| f.0)),
+            };
             let splitting = estimate(plan, &scene, &frozen, &start, &clock);
             (step, limit, clock, splitting)
         };
@@ -141,7 +161,8 @@ impl<'p, const D: usize> Ready<'p, D> {
         if let Some(method) = event_driven(self.plan) {
             return self.run_events(realizations, method, watch, keep);
         }
-        match (self.fluid.is_some(), self.plan.model.flows_differ()) {
+        let replayed = matches!(self.plan.model.flow, Some(FlowFile::Replay(_)));
+        match (self.fluid.is_some() || replayed, self.plan.model.flows_differ()) {
             (true, false) => self.run_on_flow(realizations, watch, keep),
             (true, true) => self.run_on_flows(realizations, watch, keep),
             (false, _) => self.run_at_rest(realizations, watch, keep),
@@ -186,6 +207,10 @@ impl<'p, const D: usize> Ready<'p, D> {
     /// The scene at t = 0, the flow settled: the one made ready, or another like it; none if the user wants to stop
     /// before.
     fn scene(&self, watch: &Watch) -> Result<Option<Scene<'p, D>>, RunError> {
+        if matches!(self.plan.model.flow, Some(FlowFile::Replay(_))) {
+            // Shown instant by instant as the chemistry goes on.
+            return Ok(Some(Scene::at_rest(self.scene.plan)));
+        }
         let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).take();
         match fresh {
             Some(flow) => Ok(Some(Scene::at_rest(self.scene.plan).with_flow(Some(flow)))),
@@ -197,6 +222,24 @@ impl<'p, const D: usize> Ready<'p, D> {
     fn groups(&self) -> Vec<usize> {
         self.scene.plan.home.iter().map(|&home| usize::from(home)).collect()
     }
+}
+
+/// The clock of a recorded flow, if a chemistry whose step is at most `step` (s; and what limits it) can go by it.
+fn recorded(plan: &Plan, title: &Title, (step, limit): (f64, &str)) -> Result<Vec<Interval>, ModelError> {
+    let fault = |reason: String, remedy: String| Fault::at(&plan.model.places.run, reason, remedy);
+    let clock = title.clock(&plan.model.output.times).map_err(|reason| {
+        fault(reason, "choose output times among those instants, or record the flow again".into())
+    })?;
+    let longest = clock.iter().map(Interval::tick).fold(0.0, f64::max);
+    if longest > step * (1.0 + 1e-6) {
+        let (longest, step) = (show(longest, "s"), show(step, "s"));
+        return Err(fault(
+            format!("the flow was recorded with chemistry steps of {longest}; this chemistry needs {step} ({limit})"),
+            format!("record it again with chemistry: {{ step: {step} }}"),
+        )
+        .into());
+    }
+    Ok(clock)
 }
 
 /// The particles of a realization when the flow has settled; none if the user wants to stop before.

@@ -3,14 +3,17 @@
 //! Every file is written under a temporary name in its own folder and then renamed, so a reader never sees
 //! half a file. Rows come in a fixed order and row groups have a fixed size: the same samples give the same bytes.
 
+mod comparisons;
 mod frame;
 mod particles;
 mod probes;
 mod record;
 mod series;
 mod summary;
+mod time_averages;
 
 pub use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
+pub use comparisons::{ComparisonRow, write_comparison};
 pub use particles::{list_particles, read_particles, write_particles};
 pub use probes::{ProbesWriter, read_probes, write_probes};
 pub use record::{read_record, write_record};
@@ -18,6 +21,9 @@ pub use series::{SeriesTable, SeriesWriter, read_series, read_series_head, write
 pub use summary::{
     Bin, CovarianceRow, CovarianceWriter, StatisticsRow, StatisticsWriter, read_covariance, read_histograms,
     read_statistics, write_histograms,
+};
+pub use time_averages::{
+    TimeAverageRow, averages_of, averages_of_all, read_time_averages, write_time_averages,
 };
 
 use crate::error::RunError;

@@ -1,7 +1,9 @@
 //! The course of one flow with the realizations on it, step by step; taken up from its last saved state if there is
 //! one.
 
+use super::recording::{Frame, Player, Recorder, Title};
 use crate::error::RunError;
+use crate::model::FlowFile;
 use crate::plan::Plan;
 use crate::plan::start::Start;
 use crate::record::TemperatureRecord;
@@ -28,6 +30,8 @@ pub(super) struct Course<'r, 'p, const D: usize> {
     pub clock: &'r [Interval],
     /// Whether all realizations of the run see this flow.
     pub shared: bool,
+    /// Where the flow is recorded, or taken from.
+    pub file: Option<&'r FlowFile>,
     pub watch: &'r Watch,
     pub keep: &'r dyn Keep,
 }
@@ -52,11 +56,13 @@ pub(super) struct Travelled {
 }
 
 /// Where a course stands: intervals that are behind it, chemistry steps of the present one, and fluid steps of the
-/// present one of these (none: its first half of chemistry is still to come).
+/// present one of these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Point {
     interval: usize,
     ticks: u64,
+    /// Whether the first half of the chemistry of the present step is done.
+    begun: bool,
     fluid_steps: u64,
 }
 
@@ -72,6 +78,8 @@ impl Point {
 struct Saved<const D: usize> {
     at: Point,
     warmth: TemperatureRecord,
+    /// Bytes of the flow's record that were written.
+    recorded: Option<u64>,
     scene: scene::Image<'static, D>,
     members: Vec<Image>,
     course: CourseShare,
@@ -82,6 +90,8 @@ struct Saved<const D: usize> {
 struct Saving<'a, const D: usize> {
     at: Point,
     warmth: TemperatureRecord,
+    /// Bytes of the flow's record that were written.
+    recorded: Option<u64>,
     scene: scene::Image<'a, D>,
     members: Images<'a>,
     course: CourseShare,
@@ -93,6 +103,45 @@ struct Images<'a>(&'a [Realization]);
 impl Serialize for Images<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(self.0.iter().map(Realization::image))
+    }
+}
+
+/// Where the flow goes to, or comes from, besides the run itself.
+enum Tape<const D: usize> {
+    None,
+    Record(Recorder),
+    Play(Player<D>),
+}
+
+/// The particles as they are now.
+fn shot<const D: usize>(scene: &Scene<D>) -> Frame<D> {
+    Frame { snapshot: scene.snapshot.clone(), presence: scene.presence().to_vec() }
+}
+
+impl<const D: usize> Tape<D> {
+    /// The tape of a course that stands at `from`, `recorded` bytes of it written before.
+    fn new(course: &mut Course<D>, from: &Point, recorded: Option<u64>) -> Result<Tape<D>, RunError> {
+        match course.file {
+            None => Ok(Tape::None),
+            Some(FlowFile::Record(path)) => {
+                let title = Title::new(course.scene.plan, course.clock);
+                let mut recorder = Recorder::new(path, &title, recorded)?;
+                if recorded.is_none() {
+                    recorder.push(&shot(&course.scene))?;
+                }
+                Ok(Tape::Record(recorder))
+            }
+            Some(FlowFile::Replay(path)) => {
+                let mut player = Player::open(path, course.scene.plan)?;
+                let behind: u64 = course.clock[..from.interval].iter().map(|i| i.ticks).sum();
+                // The first instant is t = 0; the last one shown is that of the present step.
+                for _ in 0..=behind + from.ticks {
+                    let Frame { snapshot, presence } = player.next()?;
+                    course.scene.show(snapshot, presence);
+                }
+                Ok(Tape::Play(player))
+            }
+        }
     }
 }
 
@@ -108,13 +157,19 @@ impl<const D: usize> Course<'_, '_, D> {
     ) -> Result<Travelled, RunError> {
         let mut way = Travelled::default();
         way.course.fluid_seconds = prepared;
+        let mut recorded = None;
         let from = match self.keep.saved(name)? {
-            Some(state) => self.take_up(decode(&state, name)?, &mut way).ok_or_else(|| foreign(name))?,
+            Some(state) => {
+                let saved: Saved<D> = decode(&state, name)?;
+                recorded = saved.recorded;
+                self.take_up(saved, &mut way).ok_or_else(|| foreign(name))?
+            }
             None => {
                 way.crew.members = begin();
                 Point::default()
             }
         };
+        let mut tape = Tape::new(&mut self, &from, recorded)?;
         let mut frozen = freeze(self.plan, &self.scene, self.start)?;
         let mut reservoirs = Reservoirs::new(self.plan, &self.scene);
         let (patience, mut saved_at) = (self.keep.patience(), Instant::now());
@@ -125,17 +180,19 @@ impl<const D: usize> Course<'_, '_, D> {
             for k in first..interval.ticks {
                 let (time, half) = (interval.time(k), 0.5 * tick);
                 let (plan, start) = (self.plan, self.start);
-                let mut at = Point { interval: i, ticks: k, fluid_steps: 0 };
+                let mut at = Point { interval: i, ticks: k, begun: false, fluid_steps: 0 };
                 if at.reaches(&from) {
-                    at.fluid_steps = from.fluid_steps;
+                    at = from;
                 }
                 // Before the motion, and again each time it is broken off, the state can be saved.
-                while at.fluid_steps < interval.fluid_steps.max(1) {
+                loop {
                     let stop = self.watch.stopped();
                     let due = patience.is_some_and(|patience| stop || saved_at.elapsed() > patience);
                     // What has just begun is begun again as fast as it is taken up.
                     if due && at != from {
-                        self.save(name, at, &way)?;
+                        self.save(name, at, &mut tape, &way)?;
+                    }
+                    if due {
                         saved_at = Instant::now();
                     }
                     if stop {
@@ -143,7 +200,8 @@ impl<const D: usize> Course<'_, '_, D> {
                         return Ok(way);
                     }
                     let chemistry = Instant::now();
-                    if at.fluid_steps == 0 {
+                    if !at.begun {
+                        at.begun = true;
                         let before = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
                         way.crew.advance(|one| one.before_motion(&before, time, half));
                         let lifted = way.crew.members.first().filter(|_| !self.scene.plan.lifts.is_empty());
@@ -157,7 +215,13 @@ impl<const D: usize> Course<'_, '_, D> {
                     let break_off =
                         || watch.stopped() || patience.is_some_and(|patience| saved_at.elapsed() > patience);
                     let left = interval.fluid_steps - at.fluid_steps;
-                    let moved = self.scene.advance(tick / interval.fluid_steps as f64, left, &break_off);
+                    let moved = match &mut tape {
+                        Tape::Play(player) => player.next().map(|Frame { snapshot, presence }| {
+                            self.scene.show(snapshot, presence);
+                            left
+                        }),
+                        _ => self.scene.advance(tick / interval.fluid_steps as f64, left, &break_off),
+                    };
                     way.course.fluid_seconds += fluid.elapsed().as_secs_f64();
                     match moved {
                         Ok(taken) if taken == left => break,
@@ -165,6 +229,9 @@ impl<const D: usize> Course<'_, '_, D> {
                         // The flow carries them all.
                         Err(found) => return Ok(self.failed(found, way)),
                     }
+                }
+                if let Tape::Record(recorder) = &mut tape {
+                    recorder.push(&shot(&self.scene))?;
                 }
                 let chemistry = Instant::now();
                 match freeze(plan, &self.scene, start) {
@@ -200,6 +267,9 @@ impl<const D: usize> Course<'_, '_, D> {
             }
         }
         self.book(&mut way);
+        if let Tape::Record(recorder) = tape {
+            recorder.finish(&way.course)?;
+        }
         way.arrived = true;
         Ok(way)
     }
@@ -212,10 +282,17 @@ impl<const D: usize> Course<'_, '_, D> {
     }
 
     /// Keeps the state between two steps.
-    fn save(&self, name: &str, at: Point, way: &Travelled) -> Result<(), RunError> {
+    fn save(&self, name: &str, at: Point, tape: &mut Tape<D>, way: &Travelled) -> Result<(), RunError> {
+        let recorded = match tape {
+            Tape::Record(recorder) => {
+                recorder.flush()?;
+                Some(recorder.length)
+            }
+            _ => None,
+        };
         let members = Images(&way.crew.members);
         let (scene, course) = (self.scene.image(), way.course.clone());
-        save(self.keep, name, &Saving { at, scene, members, course, warmth: way.warmth })
+        save(self.keep, name, &Saving { at, warmth: way.warmth, recorded, scene, members, course })
     }
 
     /// Goes back to a state; where it stands. `None` if it belongs to another plan.

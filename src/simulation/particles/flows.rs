@@ -48,7 +48,11 @@ impl<'p, const D: usize> Ready<'p, D> {
         let prepared = begun.elapsed().as_secs_f64();
         let name = format!("flow-{}", numbers.first().copied().unwrap_or(0));
         let begin = || numbers.iter().map(|&n| Realization::new(self.plan, &self.start, n)).collect();
-        let way = self.course(scene, &self.start, true, watch, keep).follow(&name, begin, prepared)?;
+        let course = Course {
+            file: self.plan.model.flow.as_ref(),
+            ..self.course(scene, &self.start, true, watch, keep)
+        };
+        let way = course.follow(&name, begin, prepared)?;
         self.settle_accounts(way, finish, keep, &name)
     }
 
@@ -88,7 +92,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         watch: &'r Watch,
         keep: &'r dyn Keep,
     ) -> Course<'r, 'p, D> {
-        Course { plan: self.plan, scene, start, clock: &self.clock, shared, watch, keep }
+        Course { plan: self.plan, scene, start, clock: &self.clock, shared, file: None, watch, keep }
     }
 
     /// Hands over what is left to hand over of realizations that came to the end of a flow or part of the way.

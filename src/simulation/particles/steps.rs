@@ -4,7 +4,7 @@ use super::{Ready, event_driven};
 use crate::chemistry::network::{Surface, SurfaceKind};
 use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
 use crate::chemistry::{AVOGADRO, Rate};
-use crate::model::Integrator;
+use crate::model::{FlowFile, Integrator};
 use crate::plan::start::Start;
 use crate::plan::{Lift, ParticlePlan, Plan};
 use crate::quantity::readable::show;
@@ -54,12 +54,13 @@ impl<const D: usize> Ready<'_, D> {
             }
             _ => "discrete and continuous species side by side, Strang splitting",
         };
+        let replayed = matches!(self.plan.model.flow, Some(FlowFile::Replay(_)));
         let in_time = if euler {
             euler_caveat(longest)
         } else {
             format!(
                 "splitting of {}diffusion and reaction: second order in the chemistry step of {}",
-                if self.fluid.is_some() { "motion, " } else { "" },
+                if self.fluid.is_some() || replayed { "motion, " } else { "" },
                 show(longest, "s")
             )
         };
@@ -80,7 +81,7 @@ impl<const D: usize> Ready<'_, D> {
                 .chain(self.scene.plan.weights.caveat().map(String::from))
                 .collect(),
             splitting_error: self.splitting.map(|(error, _)| error.relative),
-            shared_flow: self.fluid.is_some() && !self.plan.model.flows_differ(),
+            shared_flow: (self.fluid.is_some() || replayed) && !self.plan.model.flows_differ(),
         }
     }
 }
