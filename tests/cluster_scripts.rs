@@ -3,7 +3,7 @@
 
 mod face;
 
-use face::{Bench, gillesph, record, shipped};
+use face::{Bench, channel, gillesph, record, shipped};
 use rstest::rstest;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -361,6 +361,35 @@ fn a_folder_that_is_none_a_block_that_is_not_there_a_model_that_cannot_be_copied
     ]);
     assert!(status == 2 && said.contains("cannot be copied"), "{said}");
     assert!(!target.exists(), "something was written");
+}
+
+#[test]
+fn a_flow_that_is_replayed_goes_with_the_model() {
+    let bench = Bench::new();
+    let text = channel("{ representation: discrete }", "{ until: 0.2 ms, realizations: 4, seed: 5 }")
+        .replace("every: 0.2 ms", "every: 0.1 ms")
+        .replace("times: [0, 0.2 ms]", "times: [0]");
+    let model =
+        |what: &str| bench.model("m.yaml", &format!("{text}flow: {{ {what}: flows/channel.flow }}\n"));
+    let recording = model("record");
+    let out = bench.path("out");
+    let arguments =
+        ["cluster", "slurm", recording.to_str().unwrap(), "--blocks", "2", "--out", out.to_str().unwrap()];
+    let (status, _, said) = run(&arguments);
+    assert!(status == 2 && said.contains("each of them would write that file") && !out.exists(), "{said}");
+
+    std::fs::create_dir(bench.path("flows")).unwrap();
+    bench.run(&recording, "recorded", &["--realizations", "1"]);
+    let replaying = model("replay");
+    gillesph(&arguments);
+    let direct = bench.run(&replaying, "direct", &[]);
+    // The blocks have a copy.
+    std::fs::remove_file(bench.path("flows/channel.flow")).unwrap();
+    for k in ["0", "1"] {
+        gillesph(&["cluster", "block", out.to_str().unwrap(), k]);
+    }
+    gillesph(&["cluster", "merge", out.to_str().unwrap()]);
+    assert!(files(&direct.join("tables")) == files(&out.join("tables")), "the tables differ");
 }
 
 #[test]

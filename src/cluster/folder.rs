@@ -2,7 +2,7 @@
 
 use super::{Ensemble, FOLDER, Folder};
 use crate::error::{Fault, ModelError, RunError};
-use crate::model::load;
+use crate::model::{FlowFile, Model, load};
 use crate::record::ModelText;
 use crate::tables::write_bytes;
 use std::path::{Component, Path, PathBuf};
@@ -10,15 +10,21 @@ use std::path::{Component, Path, PathBuf};
 /// Folder of copies below the folder of blocks.
 const INPUT: &str = "input";
 
-/// Makes the folder of blocks below `results` for an ensemble whose model was read from files with `text`, or finds
-/// the one that is there for the same ensemble: scripts can be written anew without losing blocks.
+/// Makes the folder of blocks below `results` for an ensemble whose model was read from files with `text` and replays
+/// the `flow` of a file, or finds the one that is there for the same ensemble: scripts can be written anew without
+/// losing blocks.
 ///
-/// The model and its reactions file are copied, as far apart as they were, so that later changes to them leave the
-/// blocks still to run alone.
+/// The model, its reactions file and that flow are copied, as far apart as they were, so that later changes to them
+/// leave the blocks still to run alone.
 ///
 /// # Errors
 /// A folder that holds something else, or cannot be written; a model whose copy does not read as the model.
-pub fn prepare(results: &Path, mut ensemble: Ensemble, text: &ModelText) -> Result<Folder, ModelError> {
+pub fn prepare(
+    results: &Path,
+    mut ensemble: Ensemble,
+    text: &ModelText,
+    flow: Option<&Path>,
+) -> Result<Folder, ModelError> {
     let path = results.join(FOLDER);
     let shown = path.display();
     let other = "name another folder with --out";
@@ -51,7 +57,7 @@ pub fn prepare(results: &Path, mut ensemble: Ensemble, text: &ModelText) -> Resu
     if results.join("run.json").exists() {
         return Err(Fault::general(format!("{} already holds a run", results.display()), other).into());
     }
-    let copies = copies(&text.files)?;
+    let copies = copies(&text.files, flow)?;
     ensemble.model = Path::new(INPUT).join(&copies[0].0);
 
     // All of it under another name first: a folder that has its name is complete.
@@ -80,7 +86,7 @@ fn unwritable(path: &Path, error: &dyn std::fmt::Display) -> Fault {
 fn stage(
     results: &Path,
     ensemble: &Ensemble,
-    copies: &[(PathBuf, &str)],
+    copies: &[(PathBuf, Content)],
 ) -> Result<tempfile::TempDir, ModelError> {
     let io = |error: std::io::Error| unwritable(results, &error);
     std::fs::create_dir_all(results).map_err(io)?;
@@ -91,8 +97,15 @@ fn stage(
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o755));
     let staged = builder.tempdir_in(results).map_err(io)?;
     let written = |error: RunError| unwritable(results, &error);
-    for (relative, text) in copies {
-        write_bytes(&staged.path().join(INPUT).join(relative), text.as_bytes()).map_err(written)?;
+    for (relative, content) in copies {
+        let target = staged.path().join(INPUT).join(relative);
+        match content {
+            Content::Text(text) => write_bytes(&target, text.as_bytes()).map_err(written)?,
+            Content::File(path) => {
+                std::fs::create_dir_all(target.parent().unwrap_or(&target)).map_err(io)?;
+                std::fs::copy(path, &target).map_err(|error| unwritable(path, &error))?;
+            }
+        }
     }
     let folder = Folder { path: staged.path().to_path_buf(), ensemble: ensemble.clone() };
     folder.write_description().map_err(written)?;
@@ -103,37 +116,53 @@ fn stage(
 fn check_copy(staged: &tempfile::TempDir, text: &ModelText, ensemble: &Ensemble) -> Result<(), ModelError> {
     let copy = load::model(&staged.path().join(&ensemble.model), &ensemble.overrides);
     let inside = |(path, _): &(String, String)| Path::new(path).starts_with(staged.path());
-    if copy.is_ok_and(|copy| copy.text.hash == ensemble.hash && copy.text.files.iter().all(inside)) {
+    let same = |copy: &Model| {
+        let flow = match &copy.flow {
+            Some(FlowFile::Record(path) | FlowFile::Replay(path)) => path.starts_with(staged.path()),
+            None => true,
+        };
+        copy.text.hash == ensemble.hash && copy.text.files.iter().all(inside) && flow
+    };
+    if copy.is_ok_and(|copy| same(&copy)) {
         return Ok(());
     }
-    let reactions = text.files.get(1).map_or("another file", |(path, _)| path);
     Err(Fault::general(
         format!(
-            "{} cannot be copied: it reaches {reactions} by a path that leads elsewhere from the copy",
+            "{} cannot be copied: it names a file by a path that leads elsewhere from the copy",
             text.files[0].0
         ),
-        "name files in a model by a relative path such as ../reactions/x.yaml",
+        "name reactions and flow in a model by relative paths such as ../reactions/x.yaml",
     )
     .into())
 }
 
-/// Files with their paths relative to the folder they have in common.
-fn copies(files: &[(String, String)]) -> Result<Vec<(PathBuf, &str)>, Fault> {
+/// What a copy is made of.
+enum Content<'c> {
+    Text(&'c str),
+    File(&'c Path),
+}
+
+/// Files with their paths relative to the folder they have in common, the model first.
+fn copies<'c>(
+    texts: &'c [(String, String)],
+    flow: Option<&'c Path>,
+) -> Result<Vec<(PathBuf, Content<'c>)>, Fault> {
+    let texts = texts.iter().map(|(path, text)| (Path::new(path), Content::Text(text)));
     let mut whole = Vec::new();
-    for (path, text) in files {
-        let absolute =
-            std::path::absolute(path).map_err(|error| Fault::general(format!("{path}: {error}"), ""))?;
-        whole.push((plain(&absolute), text.as_str()));
+    for (path, content) in texts.chain(flow.map(|path| (path, Content::File(path)))) {
+        let absolute = std::path::absolute(path)
+            .map_err(|error| Fault::general(format!("{}: {error}", path.display()), ""))?;
+        whole.push((plain(&absolute), content));
     }
     let mut common =
         whole.first().and_then(|(path, _)| path.parent()).map(Path::to_path_buf).unwrap_or_default();
     while !whole.iter().all(|(path, _)| path.starts_with(&common)) {
         common.pop();
     }
-    Ok(whole
-        .into_iter()
-        .map(|(path, text)| (path.strip_prefix(&common).map_or(path.clone(), Path::to_path_buf), text))
-        .collect())
+    for (path, _) in &mut whole {
+        *path = path.strip_prefix(&common).map_or(path.clone(), Path::to_path_buf);
+    }
+    Ok(whole)
 }
 
 /// `/a/b/../c` -> `/a/c`, by the letters alone as models are read.
@@ -159,7 +188,7 @@ mod tests {
     fn copies_stay_as_far_apart_as_the_files() {
         let named = |paths: &[&str]| -> Vec<PathBuf> {
             let files: Vec<_> = paths.iter().map(|path| ((*path).to_string(), String::new())).collect();
-            copies(&files).unwrap().into_iter().map(|(path, _)| path).collect()
+            copies(&files, None).unwrap().into_iter().map(|(path, _)| path).collect()
         };
         assert_eq!(named(&["/a/m.yaml"]), [Path::new("m.yaml")]);
         assert_eq!(named(&["x/m.yaml"]), [Path::new("m.yaml")]);

@@ -3,7 +3,7 @@
 use super::super::Stop;
 use crate::cluster::{self, Ensemble, Folder, Job, Memory, Script, TimeLimit};
 use crate::error::{Fault, ModelError, RunError};
-use crate::model::load;
+use crate::model::{FlowFile, load};
 use crate::plan::Plan;
 use crate::tables;
 use clap::Args;
@@ -85,6 +85,17 @@ fn write(
             "remove it for a cluster, and give the number with --realizations",
         ));
     }
+    let flow = match &model.flow {
+        Some(FlowFile::Replay(path)) => Some(path.clone()),
+        Some(FlowFile::Record(_)) => {
+            faults.push(Fault::general(
+                "flow: { record: … } in blocks: each of them would write that file",
+                "record the flow by a run of its own, e.g. with --realizations 1, and let the blocks replay it",
+            ));
+            None
+        }
+        None => None,
+    };
     let realizations = options.realizations.unwrap_or(model.run.realizations);
     if let Err(fault) = check_blocks(options.blocks, realizations) {
         faults.push(fault);
@@ -106,7 +117,7 @@ fn write(
     // What is wrong with the model shows here, not in each of many jobs.
     Plan::new(model, ensemble.largest_block())?;
     let scripts = scripts(&ensemble, &job, &results.join(cluster::FOLDER))?;
-    let folder = cluster::prepare(&results, ensemble, &text)?;
+    let folder = cluster::prepare(&results, ensemble, &text, flow.as_deref())?;
     for (name, text, by_hand) in scripts {
         let path = folder.path.join(name);
         tables::write_bytes(&path, text.as_bytes())?;
