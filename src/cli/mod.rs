@@ -11,6 +11,7 @@ macro_rules! tell {
 }
 
 mod check;
+mod cluster;
 mod compare;
 mod import;
 mod job;
@@ -59,6 +60,11 @@ enum Verb {
         /// Replace a folder that already holds a run
         #[arg(long)]
         force: bool,
+    },
+    /// Run an ensemble on a cluster as many jobs: scripts for Slurm or Snakemake, and where its blocks stand
+    Cluster {
+        #[command(subcommand)]
+        task: cluster::Task,
     },
     /// Compare two runs: which means and variances differ, and what a difference would have to be to be seen
     ///
@@ -171,6 +177,7 @@ fn perform(verb: Verb) -> Result<(), Stop> {
         Verb::Run(options) => run::run(&options),
         Verb::Report { dir } => verbs::report(&dir),
         Verb::Merge { out, blocks, force } => verbs::merge(&out, &blocks, force),
+        Verb::Cluster { task } => cluster::cluster(&task),
         Verb::Compare(options) => compare::compare(&options),
         Verb::Network { file, svg, dot } => verbs::network(&file, svg, dot),
         Verb::Validate { cases, list, full, only, out } => {
@@ -182,6 +189,13 @@ fn perform(verb: Verb) -> Result<(), Stop> {
             Ok(())
         }
     }
+}
+
+/// Does what a user would have typed.
+pub(crate) fn perform_words(words: Vec<std::ffi::OsString>) -> Result<(), Stop> {
+    let shown: Vec<String> = words.iter().map(|word| crate::cluster::word(&word.to_string_lossy())).collect();
+    tell!("{}", shown.join(" "));
+    perform(Arguments::parse_from(words).verb)
 }
 
 /// Prints text asked for; a closed pipe is no fault.

@@ -267,6 +267,19 @@ fn read_frame(
     Ok(Some((size, entries)))
 }
 
+/// Realizations that are finished by a journal another process may be writing; none where there is no journal.
+#[must_use]
+pub fn finished(path: &Path) -> usize {
+    let Ok(mut file) = File::open(path) else { return 0 };
+    let length = file.metadata().map_or(0, |metadata| metadata.len());
+    let (mut index, mut end) = (Index::default(), 0);
+    while let Ok(Some((size, entries))) = read_frame(&mut file, path, end, length) {
+        entries.into_iter().for_each(|entry| index.note(end, entry));
+        end += size;
+    }
+    index.finished.len()
+}
+
 /// What went wrong with a file, with a word on what to do.
 pub fn file_fault(path: &Path, error: &std::io::Error) -> RunError {
     use std::io::ErrorKind;

@@ -84,6 +84,12 @@ pub fn run(
     conclude(plan, ready, record, dir, reader, finish)
 }
 
+/// Realizations of a run that are finished so far, also while it goes on.
+#[must_use]
+pub fn finished_so_far(dir: &Path) -> usize {
+    journal::finished(&dir.join("checkpoint/journal"))
+}
+
 /// Runs more and more realizations until a mean is known as well as was asked.
 fn until(ready: &Ready, asked: &Precision, desk: &Desk, record: &mut RunRecord) -> Finish {
     let (mut upto, mut looks) = (FIRST_LOOK.min(asked.at_most), Vec::new());
