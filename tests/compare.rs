@@ -44,15 +44,13 @@ fn compared(a: &Path, b: &Path, options: &[&str]) -> (Option<i32>, String, Strin
 
 /// Realizations `from` to `from + count` of a run as a run of its own.
 fn part(whole: &Side, from: usize, count: usize) -> Side {
-    let series = &whole.series;
-    Side {
-        series: SeriesTable {
-            times: series.times.clone(),
-            columns: series.columns.clone(),
-            blocks: series.blocks[from..from + count].to_vec(),
-        },
-        ..whole.clone()
-    }
+    let Side { folder, model, seed, series } = whole;
+    let series = SeriesTable {
+        times: series.times.clone(),
+        columns: series.columns.clone(),
+        blocks: series.blocks[from..from + count].to_vec(),
+    };
+    Side { folder: folder.clone(), model: model.clone(), seed: *seed, series }
 }
 
 /// Cuts three long runs (nominal, nominal with another seed, 2 % faster) into repeats of 800 realizations.
