@@ -18,7 +18,7 @@
 //! | [`sampling`], [`simulation`] | what is seen when; realizations on one flow, at rest, or event driven |
 //! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
 //! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
-//! | [`ensemble`] | many realizations from plan to tables: journal, states to resume from, joining blocks |
+//! | [`ensemble`] | many realizations from plan to tables: journal, states to resume from, joining blocks, sweeps |
 //! | [`import`] | models of other programs (SBML) -> files as a user would write them |
 //! | [`validation`], [`cli`] | published cases; the command line |
 //!
