@@ -17,6 +17,7 @@
 //! | [`record`], [`samples`], [`scene`] | what a run says of itself; what it has shown; particles at an instant |
 //! | [`sampling`], [`simulation`] | what is seen when; realizations on one flow, at rest, or event driven |
 //! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
+//! | [`comparison`] | two runs side by side: what differs, what would have been seen |
 //! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
 //! | [`ensemble`] | many realizations from plan to tables: journal, states to resume from, joining blocks, sweeps |
 //! | [`import`] | models of other programs (SBML) -> files as a user would write them |
@@ -66,6 +67,8 @@ pub mod simulation;
 
 pub mod statistics;
 pub mod tables;
+
+pub mod comparison;
 
 pub mod figures;
 pub mod report;

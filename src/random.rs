@@ -26,6 +26,8 @@ pub enum Purpose {
     Noise = 6,
     /// Change of a species between whole molecules and real amounts.
     Representation = 7,
+    /// Samples drawn again from a sample, for confidence intervals.
+    Bootstrap = 8,
     /// Points of a sweep; the same for all realizations.
     Design = 9,
 }

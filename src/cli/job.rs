@@ -36,7 +36,7 @@ pub(super) fn ready(plan: &Plan) -> Result<Ready<'_>, Stop> {
 pub(super) fn carry_out(plan: &Plan, ready: &Ready, job: &Job, watch: &Watch) -> Result<Concluded, Stop> {
     let dir = job.dir;
     let mut record = ensemble::record(plan, &job.block, ready, job.threads);
-    let held = claim(dir, &record, job.earlier)?;
+    let _held = claim(dir, &record, job.earlier)?;
     if let Earlier::Interrupted(then) = job.earlier {
         let (now, then) = (&mut record.performance, &then.performance);
         now.wall_seconds = then.wall_seconds;
@@ -65,7 +65,7 @@ pub(super) fn carry_out(plan: &Plan, ready: &Ready, job: &Job, watch: &Watch) ->
     // The record last: a folder with a finished record is complete.
     tables::write_record(dir, record)?;
     if record.status == "finished" {
-        release(dir, held);
+        release(dir);
     }
     if job.draws && concluded.realizations > 0 && concluded.times > 0 {
         let drawn = report::write(dir);
@@ -86,7 +86,7 @@ pub(super) fn carry_out(plan: &Plan, ready: &Ready, job: &Job, watch: &Watch) ->
 fn announce(plan: &Plan, record: &RunRecord, job: &Job) {
     let block = record.realizations;
     let how = match job.earlier {
-        Earlier::Nothing => "",
+        Earlier::Nothing | Earlier::Undrawn => "",
         Earlier::Interrupted(_) => ", taken up where it was left",
     };
     tell!(

@@ -2,12 +2,13 @@
 
 use super::job::{Job, carry_out, ready};
 use super::{Stop, print, sweep};
-use crate::ensemble::{Claim, Concluded, look};
+use crate::ensemble::{Claim, Concluded, Earlier, look, release};
 use crate::error::{Fault, RunError};
 use crate::model::load;
 use crate::model::precision::FIRST_LOOK;
 use crate::plan::Plan;
 use crate::record::RunRecord;
+use crate::report;
 use crate::simulation::Watch;
 use clap::Args;
 use std::ops::Range;
@@ -78,6 +79,12 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     }
     let earlier = look(&dir, claim)?;
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().ok();
+    if matches!(earlier, Earlier::Undrawn) {
+        release(&dir);
+        report::write(&dir)?;
+        tell!("the run was finished; report: {}", dir.join("report.html").display());
+        return Ok(());
+    }
 
     let plan = Plan::new(model, block.end - block.start)?;
     let ready = ready(&plan)?;

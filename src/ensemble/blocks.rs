@@ -51,7 +51,11 @@ pub fn merge(out: &Path, dirs: &[PathBuf]) -> Result<RunRecord, NotJoined> {
     let covariance = blocks.iter().any(|block| block.dir.join("tables/covariance.parquet").exists());
     let mut source = Folders { blocks, loaded: None };
     let columns = match source.blocks.first() {
-        Some(first) => tables::read_series_head(&first.dir, 1, usize::MAX >> 1)?.columns,
+        Some(first) => {
+            // As many rows as one realization has.
+            let rows = tables::read_statistics(&first.dir)?.len();
+            tables::read_series_head(&first.dir, 1, rows)?.columns
+        }
         None => Columns::default(),
     };
     let (times, histograms) = (whole.times.clone(), whole.histograms.clone());

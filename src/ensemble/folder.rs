@@ -12,6 +12,8 @@ pub enum Earlier {
     Nothing,
     /// Its record; what it has seen lies in its folder `checkpoint`.
     Interrupted(Box<RunRecord>),
+    /// All but the report, before which it was stopped.
+    Undrawn,
 }
 
 /// What is to become of an earlier run.
@@ -39,6 +41,7 @@ pub(super) enum Content {
 /// Why it cannot be used.
 pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
     match content(dir, claim)? {
+        Content::Run(record) if undrawn(dir, claim, &record.status) => Ok(Earlier::Undrawn),
         Content::Run(record) if !claim.force => {
             refuse(dir, claim, "run", &record.status, &format!("{} realizations finished", record.finished))?;
             Ok(Earlier::Interrupted(record))
@@ -46,6 +49,11 @@ pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
         Content::Sweep(_) if !claim.force => Err(other_kind(dir, "a sweep, and this is a run of one point")),
         _ => Ok(Earlier::Nothing),
     }
+}
+
+/// Whether what is to be resumed is finished but for its report.
+pub(super) fn undrawn(dir: &Path, claim: Claim, status: &str) -> bool {
+    claim.resume && status == "finished" && !dir.join("report.html").exists()
 }
 
 /// What is in a folder that may be written.
@@ -125,7 +133,7 @@ pub(super) fn other_kind(dir: &Path, what: &str) -> ModelError {
 pub fn claim(dir: &Path, record: &RunRecord, earlier: &Earlier) -> Result<Held, ModelError> {
     let held = lock(dir)?;
     match earlier {
-        Earlier::Nothing => {
+        Earlier::Nothing | Earlier::Undrawn => {
             clear_points(dir).map_err(unusable)?;
             // From here on it is a run that can be resumed, whatever is left of an earlier one.
             tables::write_record(dir, record).and_then(|()| clear(dir)).map_err(unusable)?;
@@ -253,8 +261,7 @@ pub(super) fn remove_drafts(dir: &Path) {
 }
 
 /// Removes the folder `checkpoint` of a finished run.
-pub fn release(dir: &Path, held: Held) {
+pub fn release(dir: &Path) {
     // What cannot be removed harms nobody.
     let _ = std::fs::remove_dir_all(dir.join("checkpoint"));
-    drop(held);
 }

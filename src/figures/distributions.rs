@@ -57,9 +57,10 @@ pub fn distributions(samples: &Samples) -> Option<Figure> {
         (true, _) => "Poisson law (binomial where the total is fixed)",
         _ => "Poisson law",
     };
+    let (shown, all) = (series.blocks.len(), samples.record.finished as usize);
+    let which = if shown < all { format!("the first {shown} of {all}") } else { shown.to_string() };
     let caption = format!(
-        "Bars: {} realizations; orange, solid: {law} of the same mean (left out where it is more than 2.5 times as high as the bars); black, dashed: normal law of the same mean and variance.",
-        series.blocks.len()
+        "Bars: {which} realizations; orange, solid: {law} of the same mean (left out where it is more than 2.5 times as high as the bars); black, dashed: normal law of the same mean and variance."
     );
     Some(Figure {
         name: "distributions".into(),

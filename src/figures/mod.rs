@@ -31,6 +31,7 @@ pub use svg::{escape, svg};
 use crate::error::RunError;
 use crate::quantity::readable::Scale;
 use crate::record::RunRecord;
+use crate::statistics::Summary;
 use crate::tables::{self, Bin, ParticleFrame, ProbeRows, SeriesTable};
 use std::path::Path;
 
@@ -52,7 +53,10 @@ pub struct Figure {
 #[derive(Clone, Debug)]
 pub struct Samples {
     pub record: RunRecord,
+    /// Of the first realizations, as many as fit a fixed memory.
     pub series: SeriesTable,
+    /// Of the amounts at the last time, column by column, over all realizations.
+    pub ends: Vec<Summary>,
     pub probes: Vec<ProbeRows>,
     pub histograms: Vec<Bin>,
     /// Covariances were asked for.
@@ -71,14 +75,29 @@ impl Samples {
     pub fn read(dir: &Path) -> Result<Samples, RunError> {
         let record = tables::read_record(dir)?;
         let has = |name: &str| dir.join("tables").join(name).exists();
-        let series = if has("series.parquet") { tables::read_series(dir)? } else { SeriesTable::default() };
-        let probes = if has("probes.parquet") { tables::read_probes(dir)? } else { Vec::new() };
+        let mut statistics =
+            if has("statistics.parquet") { tables::read_statistics(dir)? } else { Vec::new() };
+        let rows = statistics.len();
+        let series = if has("series.parquet") {
+            let realizations = (MOST_ROWS / rows.max(1)).max(FEWEST);
+            tables::read_series_head(dir, realizations, rows.max(1))?
+        } else {
+            SeriesTable::default()
+        };
+        let ends = statistics.split_off(rows.saturating_sub(series.columns.len()));
+        let ends = ends.into_iter().map(|row| row.summary).collect();
+        let probes =
+            if has("probes.parquet") { tables::read_probes_head(dir, MOST_ROWS)? } else { Vec::new() };
         let histograms = if has("histogram.parquet") { tables::read_histograms(dir)? } else { Vec::new() };
         let (species, frames) = first_realization(dir)?;
         let covariance = has("covariance.parquet");
-        Ok(Samples { record, series, probes, histograms, covariance, species, frames })
+        Ok(Samples { record, series, ends, probes, histograms, covariance, species, frames })
     }
 }
+
+/// Rows of a table that figures are drawn from, and realizations in any case.
+const MOST_ROWS: usize = 1_000_000;
+const FEWEST: usize = 20;
 
 fn first_realization(dir: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), RunError> {
     const MOST: usize = 32;

@@ -144,7 +144,14 @@ fn title(samples: &Samples, c: usize) -> String {
 
 /// How mean, band and single realizations are drawn.
 pub(super) fn words(samples: &Samples) -> String {
-    match samples.series.blocks.len() {
+    let (shown, all) = (samples.series.blocks.len(), samples.record.finished as usize);
+    if shown < all {
+        return format!(
+            "Of the first {shown} of {all} realizations; thick: mean; shaded: 5 to 95 %; thin: {} single ones.",
+            shown.min(LINES)
+        );
+    }
+    match shown {
         1 => "One realization.".into(),
         n if n < BAND => format!("Thick: mean of {n} realizations; thin: single realizations."),
         n => format!(

@@ -3,7 +3,6 @@
 use super::sections::{Verdict, checks};
 use crate::figures::{Samples, escape};
 use crate::quantity::readable::{grouped, show, significant};
-use crate::statistics::Summary;
 use std::fmt::Write;
 
 /// Description, verdict, facts.
@@ -91,7 +90,7 @@ fn results(samples: &Samples) -> Option<String> {
     let several = series.blocks.len() > 1;
     let mut parts = Vec::new();
     for c in (0..series.columns.len()).filter(|&c| series.columns.groups[c] == "all").take(6) {
-        let s = Summary::of(&series.across(last, c));
+        let Some(s) = samples.ends.get(c) else { continue };
         let spread = if several { format!(" ± {}", significant(s.sd, 2)) } else { String::new() };
         parts.push(format!("{} {}{spread}", series.columns.species[c], significant(s.mean, 5)));
     }

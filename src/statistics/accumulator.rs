@@ -1,10 +1,12 @@
 //! Mean and variance in one pass.
 
+use serde::{Deserialize, Serialize};
+
 /// Running count, mean and sum of squared deviations: Welford, Technometrics 4 (1962) 419.
 ///
 /// Merging follows Chan, Golub & LeVeque (1983), Eq. (2.1). Merged in the same order the result has the
 /// same bits, whichever thread filled the parts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accumulator {
     count: u64,
     mean: f64,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Running count, means and sums of products of deviations of several columns: Welford (1962) for each pair,
-/// as in Bennett, Grout, Pébay, Roe & Thompson, IEEE Cluster (2009), Eqs. (3.9) and (3.12).
+/// as in Bennett, Grout, Pébay, Roe & Thompson, IEEE Cluster (2009).
 ///
 /// Merged in the same order the result has the same bits, whichever thread filled the parts. Memory: half a
 /// square of columns.

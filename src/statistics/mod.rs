@@ -4,22 +4,42 @@
 //! is NaN, and the tables say so as NaN.
 
 mod accumulator;
+mod adjust;
 mod beta;
+mod bootstrap;
 mod comoments;
 mod comparison;
+mod correlation;
 mod gamma;
+mod interval;
 mod normal;
+mod power;
 mod quantiles;
 mod ranks;
+mod rare;
+mod spread;
 mod student;
+mod testing;
+mod time_average;
 
 pub use accumulator::Accumulator;
+pub use adjust::{benjamini_hochberg, holm};
+pub use beta::{binomial_cdf, regularised_beta};
+pub use bootstrap::{fano_interval, variance_interval};
 pub use comoments::CoMoments;
 pub use comparison::{convergence_order, relative_l2, standard_score};
+pub use correlation::{Memory, autocorrelation};
 pub use gamma::{chi_square_p_value, ln_gamma, regularised_gamma_p, regularised_gamma_q};
+pub use interval::{Interval, correlation_interval, mean_interval, proportion_interval, quantile_interval};
+pub use normal::{normal_cdf, normal_quantile, normal_tail};
+pub use power::{detectable, power};
 pub use quantiles::Quantiles;
 pub use ranks::{ranks, spearman};
+pub use rare::fisher_exact;
+pub use spread::obrien;
 pub use student::{student_critical, student_p_value, student_quantile};
+pub use testing::{Test, cautious, paired, pooled, welch};
+pub use time_average::TimeAverage;
 
 /// Location, spread and quantiles of a sample; the columns of `tables/statistics.parquet`.
 #[derive(Clone, Copy, Debug, PartialEq)]

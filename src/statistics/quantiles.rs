@@ -6,13 +6,14 @@ use serde::{Deserialize, Serialize};
 /// Quantiles of a stream: exact (type 7, as [`super::quantile`]) up to a number of values given beforehand, a
 /// sketch beyond.
 ///
-/// The sketch is a stack of levels after Manku, Rajagopalan & Lindsay, SIGMOD (1998), and Karnin, Lang & Liberty,
-/// FOCS (2016), without their coin: a value of level h stands for 2^h values. When more than `exact_up_to` values
-/// are kept, the lowest level that holds more than its equal share is sorted and every other value of it moves
-/// up, the odd and the even ones by turns. Each such step moves the rank of any number by at most 2^h; the sum of
-/// these steps is the bound [`Quantiles::rank_error`]: about log₂²(n/K)/K of all n values for K = `exact_up_to`,
-/// 0.4 % for a million values and K = 10 000. What is found is nearer, some 0.04 % there. Nothing is drawn: the
-/// same values in the same order, parts merged in the same order, give the same bits.
+/// The sketch is a stack of levels after Manku, Rajagopalan & Lindsay, SIGMOD (1998), and Karnin, Lang &
+/// Liberty, FOCS (2016), without their coin: a value of level h stands for 2^h values. When more than
+/// `exact_up_to` values are kept, the lowest level that holds more than its share of the room is sorted and
+/// every other value of it moves up, the odd and the even ones by turns. Each such step moves the rank of any
+/// number by at most 2^h; the sum of these steps is the bound [`Quantiles::rank_error`]. What is found is ten
+/// times nearer. Of a million values: 0.04 % of them (bound 0.4 %) if 10 000 are kept, 0.5 % (10 %) if 1000
+/// are. Nothing is drawn: the same values in the same order, parts merged in the same order, give the same
+/// bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quantiles {
     exact_up_to: usize,
@@ -24,8 +25,12 @@ pub struct Quantiles {
     moved: u64,
 }
 
-/// Keeps a pair to halve in some level: counts of 64 bits need fewer than 64 levels.
+/// More than there are levels for counts of 64 bits.
 const SMALLEST: usize = 256;
+
+/// Room of a level beside that of the next higher one: equal shares give the smallest bound, small ones at the
+/// bottom the smallest error; measured, this is near the best of both.
+const SHARE: f64 = 0.8;
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Level {
@@ -72,12 +77,21 @@ impl Quantiles {
     }
 
     fn shrink(&mut self) {
-        let kept = |levels: &[Level]| levels.iter().map(|l| l.values.len()).sum::<usize>();
-        while kept(&self.levels) > self.exact_up_to {
-            let share = self.exact_up_to / self.levels.len();
-            // One of them holds more than the mean.
-            let at = self.levels.iter().position(|l| l.values.len() > share).unwrap_or(0);
-            self.halve(at);
+        while self.levels.iter().map(|l| l.values.len()).sum::<usize>() > self.exact_up_to {
+            let height = self.levels.len();
+            // Shares that grow upwards and add up to all that is kept.
+            let top = self.exact_up_to as f64 * (1.0 - SHARE) / (1.0 - SHARE.powi(height as i32));
+            let full = |(h, level): (usize, &Level)| {
+                let share = top * SHARE.powi((height - 1 - h) as i32);
+                level.values.len() as f64 > share.max(1.0)
+            };
+            // Where the lowest shares are below one value, all may be within their share: then any pair.
+            let pair = |level: &Level| level.values.len() > 1;
+            let at = self.levels.iter().enumerate().position(full);
+            match at.or_else(|| self.levels.iter().position(pair)) {
+                Some(at) => self.halve(at),
+                None => break,
+            }
         }
     }
 
@@ -110,8 +124,8 @@ impl Quantiles {
         self.moved == 0
     }
 
-    /// Bound on the rank error as a share of the number of values: `get(p)` lies between the exact quantiles at
-    /// p - `rank_error` and p + `rank_error`. Zero while exact.
+    /// Bound on the rank error as a share of the number of values: `get(p)` lies between the exact quantiles
+    /// at p - `rank_error` and p + `rank_error`. Zero while exact.
     #[must_use]
     pub fn rank_error(&self) -> f64 {
         if self.moved == 0 {
@@ -119,7 +133,7 @@ impl Quantiles {
         }
         // The value found also stands for the others of its weight.
         let heaviest = 1u64 << (self.levels.len() - 1);
-        (self.moved + heaviest) as f64 / self.count as f64
+        ((self.moved + heaviest) as f64 / self.count as f64).min(1.0)
     }
 
     /// Smallest value, exact; NaN before the first.

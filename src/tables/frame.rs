@@ -119,6 +119,10 @@ impl Table {
         Ok(values.iter().map(|v| v.unwrap_or(0)).collect())
     }
 
+    pub fn whole_or_null(&self, name: &str) -> Result<Vec<Option<u32>>, RunError> {
+        Ok(self.column(name)?.u32().map_err(|e| self.fault(&e))?.iter().collect())
+    }
+
     pub fn text(&self, name: &str) -> Result<Vec<&str>, RunError> {
         let values = self.column(name)?.str().map_err(|e| self.fault(&e))?;
         Ok(values.iter().map(|v| v.unwrap_or("")).collect())

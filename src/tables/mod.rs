@@ -3,6 +3,7 @@
 //! Every file is written under a temporary name in its own folder and then renamed, so a reader never sees
 //! half a file. Rows come in a fixed order and row groups have a fixed size: the same samples give the same bytes.
 
+mod comparisons;
 mod frame;
 mod particles;
 mod probes;
@@ -10,10 +11,12 @@ mod record;
 mod series;
 mod summary;
 mod sweep;
+mod time_averages;
 
 pub use crate::samples::{Columns, ParticleFrame, ProbeRows, SeriesBlock};
+pub use comparisons::{ComparisonRow, write_comparison};
 pub use particles::{list_particles, read_particles, write_particles};
-pub use probes::{ProbesWriter, read_probes, write_probes};
+pub use probes::{ProbesWriter, read_probes, read_probes_head, write_probes};
 pub use record::{is_sweep, read_record, read_sweep_record, write_record, write_sweep_record};
 pub use series::{SeriesTable, SeriesWriter, read_series, read_series_head, write_series};
 pub use summary::{
@@ -21,6 +24,9 @@ pub use summary::{
     read_statistics, write_histograms,
 };
 pub use sweep::{SweepRow, SweepWriter, read_sweep_ends};
+pub use time_averages::{
+    TimeAverageRow, averages_of, averages_of_all, read_time_averages, write_time_averages,
+};
 
 use crate::error::RunError;
 use std::io::Write;

@@ -98,7 +98,15 @@ fn row_group(blocks: &[ProbeRows]) -> PolarsResult<DataFrame> {
 /// # Errors
 /// [`RunError::File`] if the file or a column is missing.
 pub fn read_probes(dir: &Path) -> Result<Vec<ProbeRows>, RunError> {
-    let table = Table::read(&dir.join("tables/probes.parquet"))?;
+    read_probes_head(dir, usize::MAX)
+}
+
+/// Reads at most the first `rows` rows of `tables/probes.parquet` below `dir`; a realization cut short is left out.
+///
+/// # Errors
+/// As [`read_probes`].
+pub fn read_probes_head(dir: &Path, rows: usize) -> Result<Vec<ProbeRows>, RunError> {
+    let table = Table::read_head(&dir.join("tables/probes.parquet"), rows)?;
     let (probe, quantity) = (table.text("probe")?, table.text("quantity")?);
     let (realization, time) = (table.whole("realization")?, table.reals("time")?);
     let (s, value) = (table.reals("s")?, table.reals("value")?);
@@ -125,6 +133,12 @@ pub fn read_probes(dir: &Path) -> Result<Vec<ProbeRows>, RunError> {
             row.position.push([x[k], y[k], z[k]]);
             row.value.push(value[k]);
         }
+    }
+    if table.rows() == rows {
+        // What is there of the last realization may not be all.
+        let last = out.last().map(|row| row.realization);
+        let several = out.first().map(|row| row.realization) != last;
+        out.retain(|row| !several || Some(row.realization) != last);
     }
     Ok(out)
 }
