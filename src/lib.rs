@@ -19,7 +19,7 @@
 //! | [`statistics`], [`tables`] | pure functions on slices; Parquet in and out |
 //! | [`comparison`] | two runs side by side: what differs, what would have been seen |
 //! | [`figures`], [`report`], [`vtk`] | plots, the page, ParaView: read tables and record only |
-//! | [`ensemble`] | many realizations from plan to tables: journal, states to resume from, joining blocks |
+//! | [`ensemble`] | many realizations from plan to tables: journal, states to resume from, joining blocks, sweeps |
 //! | [`cluster`] | an ensemble as many jobs: folders of blocks, scripts for schedulers, where each block stands |
 //! | [`import`] | models of other programs (SBML) -> files as a user would write them |
 //! | [`validation`], [`cli`] | published cases; the command line |

@@ -133,9 +133,17 @@ fn at_point(
     if let Some(asked) = &mut model.run.until_precision {
         asked.at_most = place.block.end;
     }
+    let draws = record.points.len() <= DRAWN;
     // What is there is of this sweep, or the folder of the sweep would have been refused.
     let earlier = match tables::read_record(dir) {
-        Ok(run) if run.status == "finished" && run.model.hash == model.text.hash => return Ok((run, None)),
+        Ok(run) if run.status == "finished" && run.model.hash == model.text.hash => {
+            // It may have been killed as it drew.
+            if draws && !dir.join("report.html").exists() {
+                release(dir);
+                report::write(dir)?;
+            }
+            return Ok((run, None));
+        }
         Ok(_) => ensemble::look(dir, Claim { resume: true, force: false })?,
         Err(_) => Earlier::Nothing,
     };
@@ -144,7 +152,6 @@ fn at_point(
         tell!("  point {number:04}, {} of {of}: {}", number + 1, point.words(&record.parameters));
     }
     let (block, threads) = (place.block.clone(), place.threads);
-    let draws = record.points.len() <= DRAWN;
     let plan = Plan::new(model, block.end - block.start)?;
     let ready = ready(&plan)?;
     let job = Job { dir, earlier: &earlier, block, threads, tells: false, draws, begun };

@@ -41,6 +41,7 @@ pub(super) enum Content {
 /// Why it cannot be used.
 pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
     match content(dir, claim)? {
+        Content::Run(record) if undrawn(dir, claim, &record.status) => Ok(Earlier::Undrawn),
         Content::Run(record) if !claim.force => {
             if record.status == "finished" && claim.resume && !dir.join("report.html").exists() {
                 return Ok(Earlier::Undrawn);
@@ -51,6 +52,11 @@ pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
         Content::Sweep(_) if !claim.force => Err(other_kind(dir, "a sweep, and this is a run of one point")),
         _ => Ok(Earlier::Nothing),
     }
+}
+
+/// Whether what is to be resumed is finished but for its report.
+pub(super) fn undrawn(dir: &Path, claim: Claim, status: &str) -> bool {
+    claim.resume && status == "finished" && !dir.join("report.html").exists()
 }
 
 /// What is in a folder that may be written.

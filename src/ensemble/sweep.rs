@@ -3,7 +3,7 @@
 
 use super::folder::{
     Claim, Content, Held, Identity, clear, clear_points, content, lock, other_kind, refuse, remove_drafts,
-    same, unusable,
+    same, undrawn, unusable,
 };
 use super::states::FORMAT;
 use crate::error::{Fault, ModelError, RunError};
@@ -101,6 +101,7 @@ pub fn record(base: &Model, sweep: &Sweep, block: &Range<u32>, threads: usize) -
 /// Why it cannot be used.
 pub fn look(dir: &Path, claim: Claim) -> Result<Option<Box<SweepRecord>>, ModelError> {
     match content(dir, claim)? {
+        Content::Sweep(record) if undrawn(dir, claim, &record.status) => Ok(Some(record)),
         Content::Sweep(record) if !claim.force => {
             let done = format!("{} of {} points finished", record.finished().count(), record.points.len());
             refuse(dir, claim, "sweep", &record.status, &done)?;

@@ -1,13 +1,19 @@
 //! The `sweep:` of a model: which of its values are varied, and the points that come of it.
 
+mod braces;
 mod design;
+mod paths;
 mod values;
+mod written;
+
+pub(super) use braces::rejoin;
 
 use super::node::{Key, Node, Value};
-use super::reader::{Faults, Fields, did_you_mean};
+use super::reader::{Faults, Fields};
 use crate::chemistry::Network;
 use crate::error::{Fault, Place};
-use crate::record::{SWEEP_COLUMNS, SweptRecord};
+use crate::record::SweptRecord;
+use paths::path_of;
 use values::{Kind, MOST, Taken, Valued, Values, too_many};
 
 /// How the points lie.
@@ -171,82 +177,6 @@ pub(super) fn read(
         logarithmic: one.values.logarithmic,
     });
     Some(Sweep { design, common_random_numbers: common, parameters: parameters.collect(), points })
-}
-
-/// In braces YAML ends a text at a comma, so that `{ k: logspace(1 1/s, 9 1/s, 5) }` comes as three entries, the last two
-/// without a value: makes them one again in a document.
-pub(super) fn rejoin(document: &mut Node) {
-    let Value::Map(sections) = &mut document.value else { return };
-    let sweep = sections.iter_mut().find(|(key, _)| key.name == "sweep");
-    let Some(Value::Map(entries)) = sweep.map(|(_, node)| &mut node.value) else { return };
-    let mut out: Vec<(Key, Node)> = Vec::new();
-    for (key, value) in entries.drain(..) {
-        if let Some((_, before)) = out.last_mut()
-            && let Value::Text(text) = &mut before.value
-            && text.contains('(')
-            && !text.contains(')')
-            && value.value == Value::Null
-        {
-            text.push(',');
-            // Blanks as in the file, so that columns in the text are columns of the line.
-            let (at, end) = (key.place.column as usize, before.place.column as usize + text.chars().count());
-            let same = key.place.line == before.place.line;
-            text.push_str(&" ".repeat(if same { at.saturating_sub(end) } else { 1 }));
-            text.push_str(&key.name);
-            before.place.width = text.chars().count() as u32;
-            continue;
-        }
-        out.push((key, value));
-    }
-    *entries = out;
-}
-
-/// Where a name leads: a parameter of the reactions, or a path of the model as after `--set`.
-fn path_of(key: &Key, network: &Network, overrides: &[String], faults: &mut Faults) -> Option<String> {
-    let name = key.name.as_str();
-    let parameters = || network.parameters.iter().map(|(name, _)| name.as_str());
-    let path = if name.contains('.') {
-        name.to_string()
-    } else if parameters().any(|known| known == name) {
-        format!("reactions.parameters.{name}")
-    } else {
-        let near = did_you_mean(name, parameters().chain(OPTIONS));
-        let known = parameters().collect::<Vec<_>>().join(", ");
-        let known =
-            if known.is_empty() { "the reactions have none".into() } else { format!("there are: {known}") };
-        let path = if network.species.iter().any(|s| s.name == name) { "initial." } else { "" };
-        let path = if path.is_empty() { "fluid.viscosity".into() } else { format!("{path}{name}") };
-        let remedy = format!("{near} {known}; other values by their path, e.g. {path}");
-        faults.at(&key.place, format!("sweep: unknown parameter `{name}`"), remedy.trim());
-        return None;
-    };
-    if name.split('.').any(str::is_empty) {
-        faults.at(&key.place, format!("the path `{name}` has an empty part"), "e.g. fluid.viscosity");
-        return None;
-    }
-    let first = path.split('.').next().unwrap_or_default();
-    if ["name", "description", "sweep"].contains(&first) || (first == "run" && path != "run.until") {
-        faults.at(
-            &key.place,
-            format!("`{name}` cannot be swept"),
-            "sweep values of reactions, domain, groups, fluid, conditions, chemistry, initial, or run.until",
-        );
-        return None;
-    }
-    if SWEEP_COLUMNS.contains(&name) {
-        let remedy = format!("call it by its path: {path}");
-        faults.at(&key.place, format!("`{name}` is another column of the table of the sweep"), remedy);
-        return None;
-    }
-    let given = |set: &&String| set.split_once('=').is_some_and(|(to, _)| to.trim() == path);
-    if let Some(set) = overrides.iter().find(given) {
-        faults.at(
-            &key.place,
-            format!("`{name}` is swept and given by --set {set}"),
-            format!("set sweep.{name}, or nothing"),
-        );
-    }
-    Some(path)
 }
 
 fn number_of_points(node: &Node, design: Design, faults: &mut Faults) -> Option<usize> {

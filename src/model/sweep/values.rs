@@ -1,9 +1,10 @@
 //! Values of a swept parameter: a list, `linspace` and `logspace`, or the ranges `uniform` and `loguniform`.
 
-use crate::error::{Fault, Place};
+use super::written::{Written, digits, written};
+use crate::error::Place;
 use crate::model::node::{Node, Value};
 use crate::model::reader::{Faults, did_you_mean};
-use crate::quantity::{Dimension, Quantity, number_length};
+use crate::quantity::{Dimension, Quantity};
 
 /// Most values of a parameter, and most points of a sweep.
 pub(super) const MOST: usize = 10_000;
@@ -32,16 +33,6 @@ pub(super) struct Values {
     pub unit: String,
     pub per_si: f64,
     pub logarithmic: bool,
-}
-
-/// A number with a unit as written.
-#[derive(Clone, Debug)]
-struct Written {
-    number: f64,
-    unit: String,
-    quantity: Quantity,
-    /// Digits alone.
-    whole: bool,
 }
 
 /// What the values are of.
@@ -255,57 +246,6 @@ impl Range {
     }
 }
 
-fn digits(number: f64) -> String {
-    let usual = number == 0.0 || (1e-3..1e6).contains(&number.abs());
-    if usual { format!("{number}") } else { format!("{number:e}") }
-}
-
 fn blanks(text: &str) -> usize {
     text.chars().take_while(|c| c.is_whitespace()).count()
-}
-
-/// A number with its unit, at `offset` in a text at a place.
-fn written(text: &str, offset: usize, place: &Place) -> Result<Written, Fault> {
-    let quantity = Quantity::parse(text).map_err(|fault| {
-        Fault::at(&place.inside(offset + fault.offset, fault.width), fault.reason, fault.remedy)
-    })?;
-    let characters: Vec<char> = text.trim().chars().collect();
-    let length = number_length(&characters);
-    let number: String = characters[..length].iter().collect();
-    let unit: String = characters[length..].iter().collect();
-    Ok(Written {
-        number: number.replace('\u{2212}', "-").parse().unwrap_or(quantity.value),
-        unit: unit.trim().to_string(),
-        quantity,
-        whole: number.chars().all(|c| c.is_ascii_digit()) && unit.is_empty(),
-    })
-}
-
-impl Written {
-    fn bare(number: f64) -> Written {
-        Written { number, unit: String::new(), quantity: Quantity::bare(number), whole: false }
-    }
-
-    /// A zero that is zero in any unit.
-    fn is_zero(&self) -> bool {
-        self.number == 0.0 && self.unit.is_empty()
-    }
-
-    /// SI over the number in front of the unit; none where the unit has another zero.
-    fn factor(&self) -> Option<f64> {
-        if self.unit.is_empty() {
-            return Some(1.0);
-        }
-        let value = |number: &str| Some(Quantity::parse(&format!("{number} {}", self.unit)).ok()?.value);
-        (value("0")? == 0.0).then(|| value("1"))?
-    }
-
-    /// Unit to show values in, and its number for one in SI.
-    fn shown(&self) -> (String, f64) {
-        match self.factor() {
-            Some(factor) => (self.unit.clone(), 1.0 / factor),
-            None if self.quantity.dimension == Dimension::NONE => (String::new(), 1.0),
-            None => (self.quantity.dimension.unit(), 1.0),
-        }
-    }
 }
