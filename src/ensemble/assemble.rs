@@ -7,7 +7,8 @@ use crate::record::HistogramRecord;
 use crate::simulation::{Piece, Share};
 use crate::statistics::{Accumulator, CoMoments, Histogram, Quantiles, Summary};
 use crate::tables::{
-    Bin, Columns, CovarianceWriter, ProbesWriter, SeriesWriter, StatisticsWriter, write_histograms,
+    Bin, Columns, CovarianceWriter, ProbesWriter, SeriesBlock, SeriesWriter, StatisticsWriter,
+    TimeAverageRow, averages_of, averages_of_all, write_histograms, write_time_averages,
 };
 use std::ops::Range;
 use std::path::Path;
@@ -115,6 +116,7 @@ pub fn assemble(
     let mut statistics = StatisticsWriter::new(dir, wanted.columns)?;
     let mut covariance =
         if wanted.covariance { Some(CovarianceWriter::new(dir, wanted.columns)?) } else { None };
+    let mut averages = Averages::new(wanted);
     let mut bins = Vec::new();
     for from in (0..last.max(1)).step_by(batch) {
         let mut cells = Cells::new(from..(from + batch).min(last), width, wanted.covariance);
@@ -128,6 +130,7 @@ pub fn assemble(
                 if let Some(books) = &mut books {
                     books.see(piece);
                 }
+                averages.see(piece);
                 series.push(
                     number,
                     piece.first as usize,
@@ -154,11 +157,57 @@ pub fn assemble(
         }
         bins.extend(histograms(source, &numbers, wanted, &cells.times, &summaries)?);
     }
+    averages.write(dir)?;
     series.finish()?;
     probes.map_or(Ok(()), ProbesWriter::finish)?;
     statistics.finish()?;
     covariance.map_or(Ok(()), CovarianceWriter::finish)?;
     if wanted.histograms.is_empty() { Ok(()) } else { write_histograms(dir, &bins) }
+}
+
+/// Realizations whose averages over time are told one by one, and output times up to which they are.
+const AVERAGED: u32 = 100;
+const LONGEST: usize = 100_000;
+
+/// Averages over the second half of the run, where the output times allow them.
+struct Averages<'a> {
+    wanted: &'a Wanted<'a>,
+    /// The realization under way.
+    block: SeriesBlock,
+    rows: Vec<TimeAverageRow>,
+    seen: u32,
+}
+
+impl<'a> Averages<'a> {
+    fn new(wanted: &'a Wanted<'a>) -> Averages<'a> {
+        Averages { wanted, block: SeriesBlock::default(), rows: Vec::new(), seen: 0 }
+    }
+
+    fn see(&mut self, piece: &Piece) {
+        let (times, columns) = (self.wanted.times, self.wanted.columns);
+        if self.seen >= AVERAGED || times.len() > LONGEST {
+            return;
+        }
+        if piece.first == 0 {
+            self.block = SeriesBlock { realization: piece.realization, ..SeriesBlock::default() };
+        }
+        self.block.amount.extend(&piece.amount);
+        if self.block.amount.len() >= times.len() * columns.len() {
+            let block = std::mem::take(&mut self.block);
+            let half = 0.5 * times.last().copied().unwrap_or(0.0);
+            self.rows.extend(averages_of(times, columns, &block, half).into_iter().flatten());
+            self.seen += 1;
+        }
+    }
+
+    fn write(mut self, dir: &Path) -> Result<(), RunError> {
+        if self.rows.is_empty() {
+            return Ok(());
+        }
+        let all = averages_of_all(&self.rows, self.wanted.columns.len());
+        self.rows.extend(all);
+        write_time_averages(dir, &self.rows)
+    }
 }
 
 /// The distributions asked for at some of the output times, whose summaries choose the bins.

@@ -3,7 +3,7 @@
 use super::frame::{self, Sheet, Table};
 use crate::error::RunError;
 use crate::samples::Columns;
-use crate::statistics::{CoMoments, Summary};
+use crate::statistics::{CoMoments, Interval, Summary, mean_interval};
 use polars::prelude::*;
 use std::path::Path;
 
@@ -84,13 +84,21 @@ impl<'a> StatisticsWriter<'a> {
     }
 }
 
-/// The columns of summaries, from `realizations` on.
+/// The 95 % confidence interval of the mean: Student's t.
+fn interval(s: &Summary) -> Interval {
+    mean_interval(s.mean, s.sem, s.count as f64 - 1.0, 0.95)
+}
+
+/// The columns of summaries, from `realizations` on. `mean_low` to `mean_high` is the 95 % confidence interval of the
+/// mean.
 pub(super) fn summary_columns(rows: &[Summary]) -> Vec<Column> {
     let column =
         |name: &str, value: fn(&Summary) -> f64| frame::reals(name, rows.iter().map(value).collect());
     vec![
         frame::whole("realizations", rows.iter().map(|s| s.count as u32).collect()),
         column("mean", |s| s.mean),
+        column("mean_low", |s| interval(s).low),
+        column("mean_high", |s| interval(s).high),
         column("variance", |s| s.variance),
         column("sd", |s| s.sd),
         column("sem", |s| s.sem),

@@ -96,6 +96,12 @@ fn write(
         }
         None => None,
     };
+    if model.sweep.is_some() {
+        faults.push(Fault::general(
+            "a model with a sweep cannot run in blocks",
+            "choose a point with --set and leave the sweep out; one cluster folder a point",
+        ));
+    }
     let realizations = options.realizations.unwrap_or(model.run.realizations);
     if let Err(fault) = check_blocks(options.blocks, realizations) {
         faults.push(fault);
