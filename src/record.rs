@@ -168,14 +168,21 @@ pub struct StepsRecord {
     pub splitting_error: Option<f64>,
 }
 
+/// A number as JSON has it, which knows no NaN and writes null.
+fn number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
+}
+
 /// How well a mean is known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PrecisionRecord {
     /// E.g. `RL in membrane at 0.8 s`.
     pub quantity: String,
     /// Molecules.
+    #[serde(deserialize_with = "number")]
     pub mean: f64,
     /// Half the width of the confidence interval of the mean, molecules.
+    #[serde(deserialize_with = "number")]
     pub half_width: f64,
     pub confidence: f64,
     /// Half width over mean that was asked for.
@@ -213,8 +220,10 @@ pub struct FluidRecord {
     /// What is so wide, in words.
     pub length_of: String,
     /// `speed / sound_speed`.
+    #[serde(deserialize_with = "number")]
     pub mach: f64,
     /// `density * speed * length / viscosity`.
+    #[serde(deserialize_with = "number")]
     pub reynolds: f64,
     pub noise: Option<NoiseRecord>,
 }

@@ -12,7 +12,8 @@ impl<const D: usize> Ready<'_, D> {
     pub fn fluid(&self) -> Option<FluidRecord> {
         let Domain::Particles(domain) = &self.plan.model.domain else { return None };
         let (fluid, plan) = (domain.fluid.as_ref()?, self.scene.plan);
-        let (setup, sound_speed) = (plan.flow.as_ref()?, self.sound_speed);
+        // A flow that is replayed was told of by the run that recorded it.
+        let (setup, sound_speed) = (plan.flow.as_ref()?, Some(self.sound_speed).filter(|c| *c > 0.0)?);
         let fastest = fastest(&self.plan.model, domain, plan)?;
         let (length, length_of) = reference_length(domain, fluid);
         let noise = fluid.temperature.zip(setup.noise).map(|(temperature, noise)| NoiseRecord {
