@@ -35,6 +35,7 @@ pub(super) fn ready(plan: &Plan) -> Result<Ready<'_>, Stop> {
 /// Claims the folder, runs, and writes tables, record and report.
 pub(super) fn carry_out(plan: &Plan, ready: &Ready, job: &Job, watch: &Watch) -> Result<Concluded, Stop> {
     let dir = job.dir;
+    ensemble::check(plan)?;
     let mut record = ensemble::record(plan, &job.block, ready, job.threads);
     let _held = claim(dir, &record, job.earlier)?;
     if let Earlier::Interrupted(then) = job.earlier {
@@ -86,8 +87,8 @@ pub(super) fn carry_out(plan: &Plan, ready: &Ready, job: &Job, watch: &Watch) ->
 fn announce(plan: &Plan, record: &RunRecord, job: &Job) {
     let block = record.realizations;
     let how = match job.earlier {
-        Earlier::Nothing | Earlier::Undrawn => "",
         Earlier::Interrupted(_) => ", taken up where it was left",
+        _ => "",
     };
     tell!(
         "{}: realizations {}..{} on {} thread{}, until {} s, into {}{how}",

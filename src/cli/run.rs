@@ -7,6 +7,7 @@ use crate::error::{Fault, RunError};
 use crate::model::load;
 use crate::model::precision::FIRST_LOOK;
 use crate::plan::Plan;
+use crate::quantity::readable::significant;
 use crate::record::RunRecord;
 use crate::report;
 use crate::simulation::Watch;
@@ -79,6 +80,16 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     }
     let earlier = look(&dir, claim)?;
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().ok();
+    if let Earlier::Finished(then) = &earlier {
+        if then.model.hash == model.text.hash && then.seed == model.run.seed {
+            tell!("{} is finished: nothing to resume", dir.display());
+            return Ok(());
+        }
+        let reason = format!("{} holds a finished run of another model or seed", dir.display());
+        return Err(
+            Fault::general(reason, "name another folder with --out, or replace it with --force").into()
+        );
+    }
     if matches!(earlier, Earlier::Undrawn) {
         release(&dir);
         report::write(&dir)?;
@@ -179,6 +190,16 @@ fn finish(
     if !options.quiet {
         for warning in &record.health.warnings {
             tell!("  warning: {warning}");
+        }
+        if let Some(known) = record.precision.as_ref().filter(|known| known.reached) {
+            tell!(
+                "  {}: {} ± {} ({} % confidence) after {} realizations",
+                known.quantity,
+                significant(known.mean, 6),
+                significant(known.half_width, 2),
+                significant(100.0 * known.confidence, 4),
+                record.finished
+            );
         }
         let p = &record.performance;
         tell!(

@@ -1,6 +1,7 @@
 //! Joining blocks of one ensemble that ran apart.
 
 use super::assemble::{Source, Wanted, assemble};
+use super::folder::{clear, clear_kept, lock, release, unusable};
 use crate::error::{Fault, ModelError, RunError};
 use crate::record::RunRecord;
 use crate::samples::ProbeRows;
@@ -37,6 +38,14 @@ pub fn merge(out: &Path, dirs: &[PathBuf]) -> Result<RunRecord, NotJoined> {
         blocks.push(Block { dir: dir.clone(), record: tables::read_record(dir)? });
     }
     check(&mut blocks)?;
+    if dirs
+        .iter()
+        .any(|dir| out.canonicalize().is_ok_and(|out| dir.canonicalize().is_ok_and(|dir| dir == out)))
+    {
+        let reason = format!("{} is one of the blocks to be joined", out.display());
+        return Err(ModelError::from(Fault::general(reason, "name another folder for the whole")).into());
+    }
+    let _held = lock(out)?;
     let mut records = blocks.iter().map(|block| &block.record);
     let Some(mut whole) = records.next().cloned() else {
         return Err(
@@ -44,6 +53,10 @@ pub fn merge(out: &Path, dirs: &[PathBuf]) -> Result<RunRecord, NotJoined> {
         );
     };
     records.for_each(|record| whole.absorb(record));
+    if tables::read_record(out).is_ok() {
+        // What an earlier run left would stand beside the new tables.
+        clear_kept(out).and_then(|()| clear(out)).map_err(unusable)?;
+    }
     for dir in dirs {
         copy_particles(dir, out)?;
     }
@@ -62,6 +75,7 @@ pub fn merge(out: &Path, dirs: &[PathBuf]) -> Result<RunRecord, NotJoined> {
     let wanted = Wanted { times: &times, columns: &columns, covariance, histograms: &histograms, probes };
     assemble(&mut source, out, &wanted, None)?;
     tables::write_record(out, &whole)?;
+    release(out);
     Ok(whole)
 }
 
@@ -163,7 +177,9 @@ impl Source for Folders {
             outputs: series.times.len() as u32,
             amount: series.blocks[found].amount.clone(),
             concentration: series.blocks[found].concentration.clone(),
+            // A whole realization is not taken apart: no marks are needed.
             probes: probes.get(&number).cloned().unwrap_or_default(),
+            marks: Vec::new(),
         })?;
         Ok(None)
     }

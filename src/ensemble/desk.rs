@@ -33,6 +33,8 @@ pub struct Desk<'w> {
     dir: PathBuf,
     journal: Mutex<Journal>,
     states: States,
+    /// Bytes of the journal when it was opened.
+    opened: u64,
     /// Time between states that was asked for, and the longest time that saving one took.
     every: Duration,
     longest: Mutex<Duration>,
@@ -44,6 +46,11 @@ pub struct Desk<'w> {
     watched: Option<Watched>,
 }
 
+/// Whether there is an amount to be watched.
+pub fn is_watchable(plan: &Plan) -> bool {
+    Watched::new(plan).is_some()
+}
+
 /// The amount that is watched while the run goes on.
 struct Watched {
     /// Number of the output time, column, and both in words.
@@ -51,6 +58,8 @@ struct Watched {
     column: usize,
     words: String,
     confidence: f64,
+    /// Whether the run goes on until it is known: then each realization's amount is kept.
+    asked: bool,
     seen: Mutex<Values>,
 }
 
@@ -80,6 +89,7 @@ impl Watched {
             column: columns.find(group, name)?,
             words: format!("{name}{place} at {}", show(at, "s")),
             confidence,
+            asked: asked.is_some(),
             seen: Mutex::new(Values {
                 all: BTreeMap::new(),
                 moments: Accumulator::default(),
@@ -95,7 +105,7 @@ impl Watched {
         let value = *piece.amount.get(row * width + self.column)?;
         let mut seen = lock(&self.seen);
         // Once more after a run was taken up from a state: the same value.
-        if seen.all.insert(piece.realization, value).is_none() {
+        if !self.asked || seen.all.insert(piece.realization, value).is_none() {
             seen.moments.push(value);
         }
         if seen.told.elapsed() < TELL || seen.moments.count() < 2 {
@@ -116,28 +126,33 @@ impl<'w> Desk<'w> {
     pub fn new(
         dir: &Path,
         plan: &Plan,
-        hash: &str,
+        title: &str,
         species: Vec<String>,
         vtk: Option<Vec<f64>>,
         watch: &'w Watch,
     ) -> Result<Desk<'w>, RunError> {
         let folder = dir.join("checkpoint");
         let watched = Watched::new(plan);
-        let journal = Journal::open(&folder.join("journal"), &mut |entry| {
+        let journal = Journal::open(&folder.join("journal"), title, &mut |entry| {
             if let (Entry::Piece(piece), Some(watched)) = (entry, &watched) {
                 watched.see(piece);
             }
         })?;
+        let mut notes = Vec::new();
+        if journal.cut {
+            notes.push("the journal was damaged: what came after the damage was run again".to_string());
+        }
         Ok(Desk {
             watch,
             dir: dir.to_path_buf(),
+            opened: journal.length(),
             journal: Mutex::new(journal),
-            states: States::new(&folder, hash),
+            states: States::new(&folder, title),
             every: plan.model.run.checkpoint_every.map_or(USUAL, Duration::from_secs_f64),
             longest: Mutex::default(),
             species,
             vtk,
-            notes: Mutex::default(),
+            notes: Mutex::new(notes),
             watched,
         })
     }
@@ -232,8 +247,8 @@ impl Keep for Desk<'_> {
         lock(&self.journal).append(Entry::Finished { realization, share })
     }
 
-    fn course(&self, share: CourseShare) -> Result<(), RunError> {
-        lock(&self.journal).append(Entry::Course(share))
+    fn course(&self, name: &str, share: CourseShare) -> Result<(), RunError> {
+        lock(&self.journal).append(Entry::Course { name: name.into(), share })
     }
 
     fn patience(&self) -> Option<Duration> {
@@ -242,19 +257,20 @@ impl Keep for Desk<'_> {
 
     fn save(&self, name: &str, write: &mut Writing) -> Result<(), RunError> {
         // A state must not be newer than what was seen before it.
+        let begun = Instant::now();
         let mut journal = lock(&self.journal);
         journal.flush()?;
         journal.sync()?;
+        let length = journal.length();
         drop(journal);
-        let begun = Instant::now();
-        self.states.save(name, write)?;
+        self.states.save(name, length, write)?;
         let mut longest = lock(&self.longest);
         *longest = begun.elapsed().max(*longest);
         Ok(())
     }
 
     fn saved(&self, name: &str) -> Result<Option<Vec<u8>>, RunError> {
-        match self.states.saved(name)? {
+        match self.states.saved(name, self.opened)? {
             Found::None => Ok(None),
             Found::State(state) => Ok(Some(state)),
             Found::Older { state: Some(state), reason } => {
@@ -263,14 +279,20 @@ impl Keep for Desk<'_> {
             }
             Found::Older { state: None, reason } => Err(RunError::File {
                 path: self.dir.join("checkpoint").display().to_string(),
-                reason: format!("{reason}, and there is no older state; start anew with --force"),
+                reason: format!(
+                    "{reason}, and there is no other state to go on from; --resume again starts what was under way from its beginning and keeps what is finished, --force starts all anew"
+                ),
             }),
         }
     }
 
     fn forget(&self, name: &str) {
         // Only once what comes after the state is in the file, too; a state too many does no harm.
-        if self.states.any(name) && lock(&self.journal).flush().is_ok() {
+        if !self.states.any(name) {
+            return;
+        }
+        let mut journal = lock(&self.journal);
+        if journal.flush().and_then(|()| journal.sync()).is_ok() {
             self.states.forget(name);
         }
     }

@@ -12,6 +12,8 @@ pub enum Earlier {
     Nothing,
     /// Its record; what it has seen lies in its folder `checkpoint`.
     Interrupted(Box<RunRecord>),
+    /// All there is to be, and it was asked to go on.
+    Finished(Box<RunRecord>),
     /// All but the report, before which it was stopped.
     Undrawn,
 }
@@ -43,8 +45,9 @@ pub fn look(dir: &Path, claim: Claim) -> Result<Earlier, ModelError> {
     match content(dir, claim)? {
         Content::Run(record) if undrawn(dir, claim, &record.status) => Ok(Earlier::Undrawn),
         Content::Run(record) if !claim.force => {
-            if record.status == "finished" && claim.resume && !dir.join("report.html").exists() {
-                return Ok(Earlier::Undrawn);
+            if record.status == "finished" && claim.resume {
+                let drawn = dir.join("report.html").exists();
+                return Ok(if drawn { Earlier::Finished(record) } else { Earlier::Undrawn });
             }
             refuse(dir, claim, "run", &record.status, &format!("{} realizations finished", record.finished))?;
             Ok(Earlier::Interrupted(record))
@@ -136,9 +139,10 @@ pub(super) fn other_kind(dir: &Path, what: &str) -> ModelError {
 pub fn claim(dir: &Path, record: &RunRecord, earlier: &Earlier) -> Result<Held, ModelError> {
     let held = lock(dir)?;
     match earlier {
-        Earlier::Nothing | Earlier::Undrawn => {
+        Earlier::Nothing | Earlier::Undrawn | Earlier::Finished(_) => {
             clear_points(dir).map_err(unusable)?;
-            // From here on it is a run that can be resumed, whatever is left of an earlier one.
+            // What an earlier run kept goes first: nobody must go on from it under the new record.
+            clear_kept(dir).map_err(unusable)?;
             tables::write_record(dir, record).and_then(|()| clear(dir)).map_err(unusable)?;
         }
         Earlier::Interrupted(then) => {
@@ -227,14 +231,19 @@ pub(super) fn clear_points(dir: &Path) -> Result<(), RunError> {
     if tables::is_sweep(dir) { remove(&dir.join("points")) } else { Ok(()) }
 }
 
+/// Removes what an earlier run kept to go on from; the lock stays.
+pub(super) fn clear_kept(dir: &Path) -> Result<(), RunError> {
+    let folder = dir.join("checkpoint");
+    for entry in folder.read_dir().into_iter().flatten().flatten().filter(|e| e.file_name() != "lock") {
+        remove(&entry.path())?;
+    }
+    Ok(())
+}
+
 /// Removes what an earlier run left in a folder, and nothing else; record and lock stay.
 pub(super) fn clear(dir: &Path) -> Result<(), RunError> {
     for name in ["report.html", "tables", "figures", "vtk"] {
         remove(&dir.join(name))?;
-    }
-    let folder = dir.join("checkpoint");
-    for entry in folder.read_dir().into_iter().flatten().flatten().filter(|e| e.file_name() != "lock") {
-        remove(&entry.path())?;
     }
     std::fs::create_dir_all(dir.join("tables"))
         .map_err(|error| RunError::File { path: dir.display().to_string(), reason: error.to_string() })
@@ -265,6 +274,10 @@ pub(super) fn remove_drafts(dir: &Path) {
 
 /// Removes the folder `checkpoint` of a finished run.
 pub fn release(dir: &Path) {
+    // The names of what is finished must be on the disk before what it was made from goes.
+    for folder in [dir.join("tables"), dir.to_path_buf()] {
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    }
     // What cannot be removed harms nobody.
     let _ = std::fs::remove_dir_all(dir.join("checkpoint"));
 }

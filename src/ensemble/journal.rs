@@ -1,13 +1,13 @@
 //! What a run has seen, written down as it comes: an append-only file that outlives a kill at any moment.
 //!
 //! Entries go to the file in frames ([`packet`]). A frame that was cut short by a crash is
-//! the last one and is cut off when the file is opened again; a damaged one before it is told and refused.
+//! the last one and is cut off when the file is opened again; so is what follows a damaged one, which is told.
 
 use crate::error::RunError;
 use crate::packet::{self, Found};
 use crate::simulation::{CourseShare, Piece, Share};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -16,9 +16,18 @@ use std::time::{Duration, Instant};
 /// An entry.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Entry {
+    /// First of all: of which run it is.
+    Title(String),
     Piece(Piece),
-    Finished { realization: u32, share: Share },
-    Course(CourseShare),
+    Finished {
+        realization: u32,
+        share: Share,
+    },
+    /// What a flow came to; of one that was run again the last one counts.
+    Course {
+        name: String,
+        share: CourseShare,
+    },
 }
 
 /// Bytes of entries from which a frame is written, and the longest that entries wait for one.
@@ -35,8 +44,12 @@ pub struct Journal {
     end: u64,
     pending: Vec<u8>,
     flushed: Instant,
+    /// When the last frame with the end of a realization was written.
+    settled: Instant,
     synced: Instant,
     index: Index,
+    /// Whether something in the file could not be read and was cut off with what came after it.
+    pub cut: bool,
 }
 
 /// What is in a journal, and in which frames.
@@ -45,7 +58,7 @@ pub struct Index {
     /// Realization and a frame that holds something of it; sorted once the journal is closed.
     places: Vec<(u32, u64)>,
     pub finished: BTreeSet<u32>,
-    pub courses: Vec<CourseShare>,
+    pub courses: BTreeMap<String, CourseShare>,
 }
 
 impl Index {
@@ -56,7 +69,11 @@ impl Index {
                 self.finished.insert(realization);
                 realization
             }
-            Entry::Course(course) => return self.courses.push(course),
+            Entry::Course { name, share } => {
+                self.courses.insert(name, share);
+                return;
+            }
+            Entry::Title(_) => return,
         };
         if self.places.last() != Some(&(realization, frame)) {
             self.places.push((realization, frame));
@@ -72,34 +89,67 @@ impl Index {
 }
 
 impl Journal {
-    /// Opens a journal, new or left by an earlier run, of which an unfinished last frame is cut off; `see` is shown what
-    /// is in it.
+    /// Opens the journal of the run that bears `title`, new or left by an earlier process, of which an unfinished last
+    /// frame is cut off, and what comes from a damaged frame on; `see` is shown what is in it.
     ///
     /// # Errors
-    /// A file that cannot be used, or is damaged before its last frame.
-    pub fn open(path: &Path, see: &mut dyn FnMut(&Entry)) -> Result<Journal, RunError> {
+    /// A file that cannot be used, or of another run.
+    pub fn open(path: &Path, title: &str, see: &mut dyn FnMut(&Entry)) -> Result<Journal, RunError> {
         let fault = |error: std::io::Error| file_fault(path, &error);
         let mut file =
             File::options().read(true).write(true).create(true).truncate(false).open(path).map_err(fault)?;
         let length = file.metadata().map_err(fault)?.len();
         let (mut index, mut end) = (Index::default(), 0);
-        while let Some(entries) = read_frame(&mut file, path, end, length)? {
-            entries.1.into_iter().for_each(|entry| {
+        let mut cut = false;
+        loop {
+            let (size, entries) = match read_frame(&mut file, path, end, length)? {
+                Frame::Entries(size, entries) => (size, entries),
+                Frame::End => break,
+                Frame::Damaged => {
+                    cut = true;
+                    break;
+                }
+            };
+            if end == 0 && entries.first() != Some(&Entry::Title(title.into())) {
+                let reason = "belongs to another run; start anew with --force".into();
+                return Err(RunError::File { path: path.display().to_string(), reason });
+            }
+            entries.into_iter().for_each(|entry| {
                 see(&entry);
                 index.note(end, entry);
             });
-            end += entries.0;
+            end += size;
         }
         file.set_len(end).map_err(fault)?;
-        let now = Instant::now();
-        let path = path.to_path_buf();
-        Ok(Journal { path, file, end, pending: Vec::new(), flushed: now, synced: now, index })
+        let (now, path) = (Instant::now(), path.to_path_buf());
+        let mut journal = Journal {
+            path,
+            file,
+            end,
+            pending: Vec::new(),
+            flushed: now,
+            settled: now,
+            synced: now,
+            index,
+            cut,
+        };
+        if end == 0 {
+            journal.append(Entry::Title(title.into()))?;
+            journal.flush()?;
+        }
+        Ok(journal)
     }
 
     /// What it holds.
     #[must_use]
     pub fn index(&self) -> &Index {
         &self.index
+    }
+
+    /// Bytes in the file.
+    #[must_use]
+    pub fn length(&self) -> u64 {
+        self.end
     }
 
     /// Appends an entry; it is in the file within a moment.
@@ -109,9 +159,14 @@ impl Journal {
     pub fn append(&mut self, entry: Entry) -> Result<(), RunError> {
         let bytes = postcard::to_stdvec(&entry).map_err(|error| self.fault(&error.to_string()))?;
         self.pending.extend(bytes);
+        // The end of a realization may be the last entry for long.
+        let ends = matches!(entry, Entry::Finished { .. }) && self.settled.elapsed() > WAIT;
         self.index.note(self.end, entry);
-        if self.pending.len() >= FRAME || self.flushed.elapsed() > WAIT {
+        if ends || self.pending.len() >= FRAME || self.flushed.elapsed() > WAIT {
             self.flush()?;
+        }
+        if ends {
+            self.settled = Instant::now();
         }
         Ok(())
     }
@@ -181,6 +236,12 @@ impl Reader {
         &self.index
     }
 
+    /// Its file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Realizations of which there is anything, in order.
     #[must_use]
     pub fn realizations(&self) -> Vec<u32> {
@@ -210,7 +271,10 @@ impl Reader {
                         if end <= next {
                             continue;
                         }
-                        if piece.first >= next {
+                        if piece.first > next {
+                            return Err(missing(&self.path, realization, next));
+                        }
+                        if piece.first == next {
                             see(piece)?;
                         } else {
                             see(&piece.from(next))?;
@@ -232,39 +296,47 @@ impl Reader {
         if let Some(at) = self.cached.iter().position(|(start, _)| *start == frame) {
             return Ok(at);
         }
-        let entries = read_frame(&mut self.file, &self.path, frame, self.end)?.map(|(_, entries)| entries);
+        let Frame::Entries(_, entries) = read_frame(&mut self.file, &self.path, frame, self.end)? else {
+            let reason = "has been damaged since it was written".into();
+            return Err(RunError::File { path: self.path.display().to_string(), reason });
+        };
         if self.cached.len() == CACHED {
             self.cached.remove(0);
         }
-        self.cached.push((frame, entries.unwrap_or_default()));
+        self.cached.push((frame, entries));
         Ok(self.cached.len() - 1)
     }
 }
 
-/// Length of the frame at `start` and its entries; `None` at the end of the file and for a last frame cut short.
-fn read_frame(
-    file: &mut File,
-    path: &Path,
-    start: u64,
-    length: u64,
-) -> Result<Option<(u64, Vec<Entry>)>, RunError> {
-    let broken = || RunError::File {
-        path: path.display().to_string(),
-        reason: "damaged; start anew with --force".into(),
-    };
+/// What there is at a place where a frame may begin.
+enum Frame {
+    /// Its length and its entries.
+    Entries(u64, Vec<Entry>),
+    /// The end of the file, or a last frame cut short.
+    End,
+    Damaged,
+}
+
+fn read_frame(file: &mut File, path: &Path, start: u64, length: u64) -> Result<Frame, RunError> {
     let found = file.seek(SeekFrom::Start(start)).and_then(|_| packet::read(file, length - start));
     let (size, content) = match found.map_err(|error| file_fault(path, &error))? {
         Found::Packet(size, content) => (size, content),
-        Found::End => return Ok(None),
-        Found::Damaged => return Err(broken()),
+        Found::End => return Ok(Frame::End),
+        Found::Damaged => return Ok(Frame::Damaged),
     };
     let (mut entries, mut rest) = (Vec::new(), content.as_slice());
     while !rest.is_empty() {
-        let (entry, left) = postcard::take_from_bytes(rest).map_err(|_| broken())?;
+        let Ok((entry, left)) = postcard::take_from_bytes(rest) else { return Ok(Frame::Damaged) };
         entries.push(entry);
         rest = left;
     }
-    Ok(Some((size, entries)))
+    Ok(Frame::Entries(size, entries))
+}
+
+/// Something that should be there is not: never told as if it were.
+pub fn missing(path: &Path, realization: u32, output: u32) -> RunError {
+    let reason = format!("output {output} of realization {realization} is missing; start anew with --force");
+    RunError::File { path: path.display().to_string(), reason }
 }
 
 /// Realizations that are finished by a journal another process may be writing; none where there is no journal.
@@ -273,7 +345,7 @@ pub fn finished(path: &Path) -> usize {
     let Ok(mut file) = File::open(path) else { return 0 };
     let length = file.metadata().map_or(0, |metadata| metadata.len());
     let (mut index, mut end) = (Index::default(), 0);
-    while let Ok(Some((size, entries))) = read_frame(&mut file, path, end, length) {
+    while let Ok(Frame::Entries(size, entries)) = read_frame(&mut file, path, end, length) {
         entries.into_iter().for_each(|entry| index.note(end, entry));
         end += size;
     }
@@ -331,8 +403,8 @@ mod tests {
     fn a_journal_cut_anywhere_keeps_its_whole_frames() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("journal");
-        let mut journal = Journal::open(&path, &mut |_| {}).unwrap();
-        let mut ends = vec![0];
+        let mut journal = Journal::open(&path, "t", &mut |_| {}).unwrap();
+        let mut ends = vec![0, journal.length()];
         for r in 0..5 {
             journal.append(Entry::Piece(piece(r, 0, 3))).unwrap();
             journal.append(finished(r)).unwrap();
@@ -342,8 +414,8 @@ mod tests {
         let whole = std::fs::read(&path).unwrap();
         for cut in 0..=whole.len() {
             std::fs::write(&path, &whole[..cut]).unwrap();
-            let expected = ends.iter().filter(|&&end| end > 0 && end <= cut as u64).count();
-            let mut journal = Journal::open(&path, &mut |_| {}).unwrap();
+            let expected = ends.iter().skip(2).filter(|&&end| end <= cut as u64).count();
+            let mut journal = Journal::open(&path, "t", &mut |_| {}).unwrap();
             assert_eq!(journal.index().finished.len(), expected, "cut at {cut}");
             journal.append(Entry::Piece(piece(9, 0, 2))).unwrap();
             journal.append(finished(9)).unwrap();
@@ -356,26 +428,30 @@ mod tests {
     }
 
     #[test]
-    fn damage_in_the_middle_is_told() {
+    fn what_follows_damage_is_cut_off_and_told() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("journal");
-        let mut journal = Journal::open(&path, &mut |_| {}).unwrap();
+        let mut journal = Journal::open(&path, "t", &mut |_| {}).unwrap();
+        let mut ends = Vec::new();
         for r in 0..3 {
             journal.append(finished(r)).unwrap();
             journal.flush().unwrap();
+            ends.push(journal.length());
         }
         drop(journal);
         let mut bytes = std::fs::read(&path).unwrap();
-        bytes[packet::HEAD as usize + 1] ^= 1;
+        bytes[(ends[0] + packet::HEAD) as usize + 1] ^= 1;
         std::fs::write(&path, bytes).unwrap();
-        let message = Journal::open(&path, &mut |_| {}).err().unwrap().to_string();
-        assert!(message.contains("damaged") && message.contains("--force"), "{message}");
+        let other = Journal::open(&path, "u", &mut |_| {}).err().unwrap().to_string();
+        assert!(other.contains("another run"), "{other}");
+        let journal = Journal::open(&path, "t", &mut |_| {}).unwrap();
+        assert!(journal.cut && journal.index().finished.len() == 1);
     }
 
     #[test]
     fn what_comes_again_comes_once() {
         let dir = tempfile::tempdir().unwrap();
-        let mut journal = Journal::open(&dir.path().join("journal"), &mut |_| {}).unwrap();
+        let mut journal = Journal::open(&dir.path().join("journal"), "t", &mut |_| {}).unwrap();
         for (first, outputs) in [(0, 4), (2, 4), (2, 2), (6, 1)] {
             journal.append(Entry::Piece(piece(1, first, outputs))).unwrap();
             journal.flush().unwrap();

@@ -24,7 +24,7 @@ pub use memory::{Results, in_memory};
 pub use record::{conditions, record};
 pub use states::FORMAT;
 
-use crate::error::RunError;
+use crate::error::{Fault, ModelError, RunError};
 use crate::model::Precision;
 use crate::model::precision::FIRST_LOOK;
 use crate::plan::Plan;
@@ -73,12 +73,21 @@ pub fn run(
         times
     });
     let species = plan.reactor.species.clone();
-    let desk = Desk::new(dir, plan, &record.model.hash, species, frames, watch)?;
+    let title = format!("{} {} {from}..{to} {FORMAT}", record.model.hash, record.seed);
+    let desk = Desk::new(dir, plan, &title, species, frames, watch)?;
     let finish = match &plan.model.run.until_precision {
         None => ready.run_into(&desk.unfinished(from..to), watch, &desk),
         Some(asked) => until(ready, asked, &desk, &mut record),
     };
     watch.end();
+    let mut finish = finish;
+    let [from, to] = record.realizations;
+    if let (None, false, Some(number)) =
+        (&finish.error, finish.interrupted, desk.unfinished(from..to).first().copied())
+    {
+        // Never told as finished.
+        finish.error = Some(journal::missing(dir, number, 0));
+    }
     let (notes, reader) = desk.close()?;
     record.health.warnings = notes;
     conclude(plan, ready, record, dir, reader, finish)
@@ -90,13 +99,27 @@ pub fn finished_so_far(dir: &Path) -> usize {
     journal::finished(&dir.join("checkpoint/journal"))
 }
 
+/// Whether the amount that a run is to know well is one there is.
+///
+/// # Errors
+/// A species that does not live in the group asked for.
+pub fn check(plan: &Plan) -> Result<(), ModelError> {
+    if plan.model.run.until_precision.is_none() || desk::is_watchable(plan) {
+        return Ok(());
+    }
+    let reason = "run.until_precision asks for a species in a group where it cannot be";
+    let remedy = "choose a group it lives in, or leave the group out for the whole domain";
+    Err(Fault::at(&plan.model.places.run, reason, remedy).into())
+}
+
 /// Runs more and more realizations until a mean is known as well as was asked.
 fn until(ready: &Ready, asked: &Precision, desk: &Desk, record: &mut RunRecord) -> Finish {
     let (mut upto, mut looks) = (FIRST_LOOK.min(asked.at_most), Vec::new());
     loop {
         let finish = ready.run_into(&desk.unfinished(0..upto), desk.watch(), desk);
-        if finish.error.is_some() || finish.interrupted {
-            return finish;
+        let interrupted = finish.interrupted || desk.watch().stopped();
+        if finish.error.is_some() || interrupted {
+            return Finish { interrupted, ..finish };
         }
         let look = desk.look(upto, asked.confidence);
         looks.push(upto);
@@ -148,7 +171,7 @@ fn conclude(
 ) -> Result<Concluded, RunError> {
     let mut tally = Tally::new(ready.steps(), plan.reactor.species.len());
     tally.fluid_seconds = ready.settling_seconds();
-    reader.index().courses.iter().for_each(|course| tally.take_course(course));
+    reader.index().courses.values().for_each(|course| tally.take_course(course));
     let finished = reader.index().finished.len();
     let mut told = Told::new(reader, plan.model.output.times.len())?;
     let (columns, times) = (sampling::columns(plan), &plan.model.output.times[..told.times]);
@@ -205,12 +228,17 @@ impl Source for Told {
         number: u32,
         see: &mut dyn FnMut(&Piece) -> Result<(), RunError>,
     ) -> Result<Option<Share>, RunError> {
-        let times = self.times as u32;
-        self.reader.realization(number, &mut |piece| {
+        let (times, mut shown) = (self.times as u32, 0);
+        let share = self.reader.realization(number, &mut |piece| {
             if piece.first >= times {
                 return Ok(());
             }
+            shown = (piece.first + piece.outputs).min(times);
             if piece.first + piece.outputs <= times { see(piece) } else { see(&piece.until(times)) }
-        })
+        })?;
+        if shown < times {
+            return Err(journal::missing(self.reader.path(), number, shown));
+        }
+        Ok(share)
     }
 }

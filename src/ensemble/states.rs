@@ -18,8 +18,8 @@ const SUM: usize = 32;
 /// States below a folder.
 pub struct States {
     folder: PathBuf,
-    /// Names the model: a state of another one is not used.
-    hash: String,
+    /// Names the run: a state of another one is not used.
+    title: String,
 }
 
 /// A state as it was found.
@@ -52,18 +52,18 @@ impl<W: Write> Write for Summing<W> {
 }
 
 impl States {
-    /// States in a folder, of a model of this hash.
+    /// States in a folder, of the run that bears this title.
     #[must_use]
-    pub fn new(folder: &Path, hash: &str) -> States {
-        States { folder: folder.to_path_buf(), hash: hash.into() }
+    pub fn new(folder: &Path, title: &str) -> States {
+        States { folder: folder.to_path_buf(), title: title.into() }
     }
 
-    /// Writes a state under a temporary name, drives it to the disk, and puts it in the place of the newest, which
+    /// Writes a state, `journal` bytes of which are in the journal, under a temporary name, drives it to the disk, and puts it in the place of the newest, which
     /// becomes the older one.
     ///
     /// # Errors
     /// [`RunError::File`].
-    pub fn save(&self, name: &str, write: &mut Writing) -> Result<(), RunError> {
+    pub fn save(&self, name: &str, journal: u64, write: &mut Writing) -> Result<(), RunError> {
         let (newest, older) = self.paths(name);
         let fresh = self.folder.join(format!("{name}.writing"));
         let fault = |error: std::io::Error| file_fault(&fresh, &error);
@@ -71,8 +71,9 @@ impl States {
         let mut out = Summing { inner: BufWriter::with_capacity(1 << 16, file), sum: Sha256::new() };
         out.write_all(MAGIC)
             .and_then(|()| out.write_all(&FORMAT.to_le_bytes()))
-            .and_then(|()| out.write_all(&(self.hash.len() as u32).to_le_bytes()))
-            .and_then(|()| out.write_all(self.hash.as_bytes()))
+            .and_then(|()| out.write_all(&journal.to_le_bytes()))
+            .and_then(|()| out.write_all(&(self.title.len() as u32).to_le_bytes()))
+            .and_then(|()| out.write_all(self.title.as_bytes()))
             .map_err(fault)?;
         write(&mut out).map_err(|reason| RunError::File { path: fresh.display().to_string(), reason })?;
         let Summing { mut inner, sum } = out;
@@ -87,20 +88,32 @@ impl States {
         File::open(&self.folder).and_then(|folder| folder.sync_all()).map_err(fault)
     }
 
-    /// The state kept under a name.
+    /// The state kept under a name, of a run whose journal held `journal` bytes when it was opened: a state that builds
+    /// on more than that is not used. A damaged newest one is removed, so that the older one stays until there is
+    /// another.
     ///
     /// # Errors
-    /// A file that cannot be read, or states that are all damaged: never a silent start from the beginning.
-    pub fn saved(&self, name: &str) -> Result<Found, RunError> {
+    /// A file that cannot be read.
+    pub fn saved(&self, name: &str, journal: u64) -> Result<Found, RunError> {
         let (newest, older) = self.paths(name);
-        match (self.read(&newest)?, self.read(&older)?) {
-            (None, None) => Ok(Found::None),
-            (Some(Ok(state)), _) => Ok(Found::State(state)),
-            // Stopped between the two renamings.
-            (None, Some(Ok(state))) => Ok(Found::State(state)),
-            (Some(Err(reason)), older) => Ok(Found::Older { state: older.and_then(Result::ok), reason }),
-            (None, Some(Err(reason))) => Ok(Found::Older { state: None, reason }),
+        let mut reason = None;
+        for path in [&newest, &older] {
+            match self.read(path, journal)? {
+                None => {}
+                Some(Ok(state)) => {
+                    return Ok(match reason {
+                        None => Found::State(state),
+                        Some(reason) => Found::Older { state: Some(state), reason },
+                    });
+                }
+                Some(Err(found)) => {
+                    // What cannot be removed is found again.
+                    let _ = std::fs::remove_file(path);
+                    reason.get_or_insert(found);
+                }
+            }
         }
+        Ok(reason.map_or(Found::None, |reason| Found::Older { state: None, reason }))
     }
 
     /// Whether there is anything under a name.
@@ -124,14 +137,14 @@ impl States {
     }
 
     /// What a file holds, or why it cannot be used; `None` if it is not there.
-    fn read(&self, path: &Path) -> Result<Option<Result<Vec<u8>, String>>, RunError> {
+    fn read(&self, path: &Path, journal: u64) -> Result<Option<Result<Vec<u8>, String>>, RunError> {
         let mut bytes = match std::fs::read(path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(file_fault(path, &error)),
         };
         let shown = path.display();
-        let head = MAGIC.len() + 8 + self.hash.len();
+        let head = MAGIC.len() + 16 + self.title.len();
         let damaged = Ok(Some(Err(format!("{shown} is damaged"))));
         if bytes.len() < head + SUM || !bytes.starts_with(MAGIC) {
             return damaged;
@@ -143,8 +156,13 @@ impl States {
         if bytes[MAGIC.len()..MAGIC.len() + 4] != FORMAT.to_le_bytes() {
             return Ok(Some(Err(format!("{shown} is of another version of the format"))));
         }
-        if &bytes[head - self.hash.len()..head] != self.hash.as_bytes() {
-            return Ok(Some(Err(format!("{shown} belongs to another model"))));
+        if &bytes[head - self.title.len()..head] != self.title.as_bytes() {
+            return Ok(Some(Err(format!("{shown} belongs to another run"))));
+        }
+        let mut word = [0; 8];
+        word.copy_from_slice(&bytes[MAGIC.len() + 4..MAGIC.len() + 12]);
+        if u64::from_le_bytes(word) > journal {
+            return Ok(Some(Err(format!("{shown} builds on what is missing in the journal"))));
         }
         bytes.truncate(body);
         bytes.drain(..head);
@@ -157,7 +175,7 @@ mod tests {
     use super::*;
 
     fn save(states: &States, text: &str) {
-        states.save("one", &mut |out| out.write_all(text.as_bytes()).map_err(|e| e.to_string())).unwrap();
+        states.save("one", 7, &mut |out| out.write_all(text.as_bytes()).map_err(|e| e.to_string())).unwrap();
     }
 
     fn text(found: &Found) -> &str {
@@ -173,29 +191,34 @@ mod tests {
     fn a_damaged_state_leaves_the_older_one() {
         let dir = tempfile::tempdir().unwrap();
         let states = States::new(dir.path(), "abc");
-        assert_eq!(text(&states.saved("one").unwrap()), "none");
+        assert_eq!(text(&states.saved("one", 7).unwrap()), "none");
         save(&states, "first");
         save(&states, "second");
-        assert_eq!(text(&states.saved("one").unwrap()), "second");
+        assert_eq!(text(&states.saved("one", 7).unwrap()), "second");
         let newest = dir.path().join("one.state");
         let whole = std::fs::read(&newest).unwrap();
         for at in 0..whole.len() {
             let mut bytes = whole.clone();
             bytes[at] ^= 4;
             std::fs::write(&newest, &bytes).unwrap();
-            let found = states.saved("one").unwrap();
+            let found = states.saved("one", 7).unwrap();
             assert!(matches!(found, Found::Older { .. }) && text(&found) == "first", "byte {at}");
+            assert!(!newest.exists(), "the damaged one is gone");
             std::fs::write(&newest, &whole[..at]).unwrap();
-            assert_eq!(text(&states.saved("one").unwrap()), "first");
+            assert_eq!(text(&states.saved("one", 7).unwrap()), "first");
         }
+        std::fs::write(&newest, &whole).unwrap();
+        assert_eq!(text(&states.saved("one", 6).unwrap()), "lost", "both are ahead of the journal");
+        save(&states, "first");
+        save(&states, "second");
         std::fs::remove_file(&newest).unwrap();
-        assert_eq!(text(&states.saved("one").unwrap()), "first");
+        assert_eq!(text(&states.saved("one", 7).unwrap()), "first");
         std::fs::write(dir.path().join("one.older"), "x").unwrap();
-        assert_eq!(text(&states.saved("one").unwrap()), "lost");
+        assert_eq!(text(&states.saved("one", 7).unwrap()), "lost");
         save(&states, "third");
         let other = States::new(dir.path(), "abd");
-        assert_eq!(text(&other.saved("one").unwrap()), "lost");
+        assert_eq!(text(&other.saved("one", 7).unwrap()), "lost");
         states.forget("one");
-        assert_eq!(text(&states.saved("one").unwrap()), "none");
+        assert_eq!(text(&states.saved("one", 7).unwrap()), "none");
     }
 }

@@ -2,8 +2,8 @@
 //! its own in a folder of its own, and their statistics are joined.
 
 use super::folder::{
-    Claim, Content, Held, Identity, clear, clear_points, content, lock, other_kind, refuse, remove_drafts,
-    same, undrawn, unusable,
+    Claim, Content, Held, Identity, clear, clear_kept, clear_points, content, lock, other_kind, refuse,
+    remove_drafts, same, undrawn, unusable,
 };
 use super::states::FORMAT;
 use crate::error::{Fault, ModelError, RunError};
@@ -121,6 +121,7 @@ pub fn claim(dir: &Path, now: &SweepRecord, earlier: Option<&SweepRecord>) -> Re
     match earlier {
         None => {
             clear_points(dir).map_err(unusable)?;
+            clear_kept(dir).map_err(unusable)?;
             tables::write_sweep_record(dir, now).and_then(|()| clear(dir)).map_err(unusable)?;
         }
         Some(then) => {

@@ -44,6 +44,41 @@ pub fn differences(then: &ModelText, now: &ModelText) -> Vec<String> {
     found
 }
 
+/// What of a model makes its flow: geometry, particles, fluid and the conditions on it, values by path, with those
+/// given by `--set`; without what is said of species there.
+#[must_use]
+pub fn flow_makings(text: &ModelText) -> BTreeMap<String, String> {
+    let mut values = text.files.first().map(|(_, model)| flat(model)).unwrap_or_default();
+    for (path, value) in text.overrides.iter().filter_map(|one| one.split_once('=')) {
+        let path = path.trim();
+        values.retain(|key, _| key != path && !key.starts_with(&format!("{path}.")));
+        values.insert(path.into(), value.trim().into());
+    }
+    let makes = |key: &String| {
+        let mut parts = key.split('.');
+        let section = parts.next().unwrap_or_default();
+        match section {
+            "domain" | "particles" | "groups" | "fluid" => !parts.any(|part| part == "holds"),
+            "conditions" => !parts
+                .any(|part| matches!(part, "species" | "held" | "source" | "barrier" | "flux" | "absorbing")),
+            _ => false,
+        }
+    };
+    values.retain(|key, _| makes(key));
+    values
+}
+
+/// What differs between the makings of two flows, in words: recorded, and asked for now.
+#[must_use]
+pub fn other_makings(then: &BTreeMap<String, String>, now: &BTreeMap<String, String>) -> Vec<String> {
+    let keys: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
+    let words = |value: Option<&String>| value.map_or("nothing".into(), |value| format!("`{value}`"));
+    keys.into_iter()
+        .filter(|key| then.get(*key) != now.get(*key))
+        .map(|key| format!("{key}: recorded with {}, here {}", words(then.get(key)), words(now.get(key))))
+        .collect()
+}
+
 /// Scalars of a YAML text by their path.
 fn flat(text: &str) -> BTreeMap<String, String> {
     let mut out = BTreeMap::new();

@@ -15,6 +15,7 @@ use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::Dimension;
 use crate::record::{ModelText, PARTICLE_COLUMNS};
 use sha2::{Digest, Sha256};
+use std::fs::File;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -110,7 +111,7 @@ fn read_document(path: &Path, changes: &Changes) -> Result<Document, ModelError>
     let model = read(&root, path, changes, &mut text, &mut faults);
     match model {
         Some(mut model) if faults.list.is_empty() => {
-            text.hash = hash(&text);
+            text.hash = hash(&text, model.flow.as_ref());
             model.text = text;
             Ok(Document::Model(Box::new(model)))
         }
@@ -123,8 +124,12 @@ fn below_reactions(assignment: &str) -> Option<&str> {
     assignment.trim_start().strip_prefix("reactions.")
 }
 
-fn hash(text: &ModelText) -> String {
+fn hash(text: &ModelText, flow: Option<&FlowFile>) -> String {
     let mut hasher = Sha256::new();
+    if let Some(FlowFile::Replay(path)) = flow {
+        // On another flow it is another run. What cannot be read is told where it is needed.
+        let _ = File::open(path).and_then(|mut file| std::io::copy(&mut file, &mut hasher));
+    }
     for (_, content) in &text.files {
         hasher.update((content.len() as u64).to_le_bytes());
         hasher.update(content.as_bytes());

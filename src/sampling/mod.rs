@@ -21,6 +21,8 @@ pub struct Observed {
     /// Number of the output time at which `series` begins, and output times in it.
     pub first: u32,
     pub outputs: u32,
+    /// Probes up to the end of each output time in `series`; empty where there are none.
+    pub marks: Vec<u32>,
     /// Parts of the particle table handed over, and frames in them.
     pub parts: (u32, u32),
 }
@@ -141,6 +143,9 @@ impl<'p, const D: usize> Lens<'p, D> {
         let realization = observed.series.realization;
         for probe in &self.probes {
             probe.look(amounts, now, realization, realization == 0 || !shared, &mut observed.probes);
+        }
+        if !self.probes.is_empty() {
+            observed.marks.push(observed.probes.len() as u32);
         }
         let Some((frame, rows)) = &self.frame else { return };
         let wanted = self.plan.model.output.particles.as_ref();

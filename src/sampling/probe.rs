@@ -269,7 +269,7 @@ fn line<'p, const D: usize>(
         species.push(weights);
     }
     let mut velocity = Vec::new();
-    if probe.velocity && scene.flow.is_some() {
+    if probe.velocity && scene.plan.flow.is_some() {
         let fluid: Vec<bool> = scene.home.iter().map(|&g| !scene.plan.is_wall(g)).collect();
         let weights = weights_of(&fluid).without(|k| in_wall(scene, &embed(&places[k])));
         for axis in 0..D {

@@ -34,43 +34,40 @@ pub struct Piece {
     /// mol/m³, likewise.
     pub concentration: Vec<f64>,
     pub probes: Vec<ProbeRows>,
+    /// Probes up to the end of each output; empty where there are none.
+    pub marks: Vec<u32>,
 }
 
 impl Piece {
     /// What it shows before output number `end`.
     #[must_use]
     pub fn until(&self, end: u32) -> Piece {
-        let outputs = end.saturating_sub(self.first).min(self.outputs);
-        let width = self.amount.len() / (self.outputs.max(1) as usize);
-        let mut times: Vec<f64> = self.probes.iter().map(|rows| rows.time).collect();
-        times.dedup();
-        let last = times.get(outputs as usize).copied().unwrap_or(f64::INFINITY);
-        Piece {
-            realization: self.realization,
-            first: self.first,
-            outputs,
-            amount: self.amount[..outputs as usize * width].to_vec(),
-            concentration: self.concentration[..outputs as usize * width].to_vec(),
-            probes: self.probes.iter().filter(|rows| rows.time < last).cloned().collect(),
-        }
+        self.part(0, end.saturating_sub(self.first).min(self.outputs))
     }
 
     /// What it shows from output number `from` on.
     #[must_use]
     pub fn from(&self, from: u32) -> Piece {
-        let skipped = from.saturating_sub(self.first).min(self.outputs) as usize;
+        self.part(from.saturating_sub(self.first).min(self.outputs), self.outputs)
+    }
+
+    /// Its outputs from the `from`th before the `to`th.
+    fn part(&self, from: u32, to: u32) -> Piece {
         let width = self.amount.len() / (self.outputs.max(1) as usize);
-        // Probes come output by output; those of one output have one time.
-        let mut times: Vec<f64> = self.probes.iter().map(|rows| rows.time).collect();
-        times.dedup();
-        let first = times.get(skipped).copied().unwrap_or(f64::INFINITY);
+        let rows = from as usize * width..to as usize * width;
+        let mark = |outputs: u32| match outputs.checked_sub(1) {
+            Some(last) => self.marks.get(last as usize).map_or(0, |&mark| mark as usize),
+            None => 0,
+        };
+        let (start, end) = (mark(from), mark(to));
         Piece {
             realization: self.realization,
-            first: self.first + skipped as u32,
-            outputs: self.outputs - skipped as u32,
-            amount: self.amount[skipped * width..].to_vec(),
-            concentration: self.concentration[skipped * width..].to_vec(),
-            probes: self.probes.iter().filter(|rows| rows.time >= first).cloned().collect(),
+            first: self.first + from,
+            outputs: to - from,
+            amount: self.amount[rows.clone()].to_vec(),
+            concentration: self.concentration[rows].to_vec(),
+            probes: self.probes[start..end].to_vec(),
+            marks: (from..to).map(|k| (mark(k + 1) - start) as u32).collect(),
         }
     }
 }
@@ -129,11 +126,11 @@ pub trait Keep: Sync {
     /// What cannot be kept.
     fn finished(&self, realization: u32, share: Share) -> Result<(), RunError>;
 
-    /// A flow has come to its end.
+    /// The flow of this name has come to its end.
     ///
     /// # Errors
     /// What cannot be kept.
-    fn course(&self, share: CourseShare) -> Result<(), RunError>;
+    fn course(&self, name: &str, share: CourseShare) -> Result<(), RunError>;
 
     /// How long a realization or flow goes on before its state is saved, if states are kept at all.
     fn patience(&self) -> Option<Duration> {
@@ -215,6 +212,7 @@ pub(super) fn hand_over(seen: &mut Observed, keep: &dyn Keep, limit: usize) -> R
             amount: std::mem::take(&mut seen.series.amount),
             concentration: std::mem::take(&mut seen.series.concentration),
             probes: std::mem::take(&mut seen.probes),
+            marks: std::mem::take(&mut seen.marks),
         })?;
     }
     Ok(())
@@ -267,8 +265,36 @@ impl Keep for Memory {
         Ok(())
     }
 
-    fn course(&self, share: CourseShare) -> Result<(), RunError> {
+    fn course(&self, _name: &str, share: CourseShare) -> Result<(), RunError> {
         self.open().courses.push(share);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of probes stay with their outputs, also where an output has none.
+    #[test]
+    fn parts_of_a_piece_keep_the_probes_of_their_outputs() {
+        let row = |time: f64| ProbeRows { time, ..ProbeRows::default() };
+        let piece = Piece {
+            first: 3,
+            outputs: 4,
+            amount: vec![0.0, 0.1, 1.0, 1.1, 2.0, 2.1, 3.0, 3.1],
+            concentration: vec![0.0; 8],
+            // None at output 3, two at 4, none at 5, one at 6.
+            probes: vec![row(4.0), row(4.0), row(6.0)],
+            marks: vec![0, 2, 2, 3],
+            ..Piece::default()
+        };
+        let (early, late) = (piece.until(5), piece.from(5));
+        assert_eq!((early.first, early.outputs, early.probes.len()), (3, 2, 2));
+        assert_eq!((late.first, late.outputs, late.amount.len(), late.probes.len()), (5, 2, 4, 1));
+        assert_eq!((late.probes[0].time, late.marks.as_slice()), (6.0, &[0, 1][..]));
+        assert_eq!(piece.from(0), piece);
+        assert_eq!(piece.from(9).outputs, 0);
+        assert!(late.from(6).probes.len() == 1 && late.until(6).probes.is_empty());
     }
 }

@@ -16,6 +16,7 @@ use super::{Finish, NotReady, Watch, paths};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
 use crate::error::{Fault, ModelError, RunError};
 use crate::fluid::Flow;
+use crate::model::changes::{flow_makings, other_makings};
 use crate::model::{FlowFile, Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
@@ -62,6 +63,12 @@ impl<'p, const D: usize> Ready<'p, D> {
         };
         let mut scene = match &mut player {
             Some(player) => {
+                let other = other_makings(&player.title.makings, &flow_makings(&plan.model.text));
+                if !other.is_empty() {
+                    let reason = format!("the flow to be replayed is another one: {}", other.join("; "));
+                    let remedy = "record it again with these values, or take those it was recorded with";
+                    return Err(ModelError::from(Fault::at(&plan.model.places.run, reason, remedy)).into());
+                }
                 let mut scene = Scene::at_rest(arena);
                 let Frame { snapshot, presence } = player.next()?;
                 scene.show(snapshot, presence);

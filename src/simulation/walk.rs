@@ -42,7 +42,7 @@ impl Walk<'_> {
         mut step: impl FnMut(&mut Realization, f64, f64) -> Result<(), RunError>,
         mut look: impl FnMut(&mut Realization, f64),
     ) -> Found {
-        let (name, patience) = (format!("realization-{number}"), self.keep.patience());
+        let (name, mut patience) = (format!("realization-{number}"), self.keep.patience());
         let mut begun = Instant::now();
         let mut saved_at = begun;
         let (mut one, from, mut seconds) = match self.keep.saved(&name)?.map(|state| decode(&state, &name)) {
@@ -64,7 +64,7 @@ impl Walk<'_> {
                     begun = Instant::now();
                     let state = Saved { interval: i, ticks: k, seconds, one: one.image() };
                     save(self.keep, &name, &state)?;
-                    saved_at = Instant::now();
+                    (patience, saved_at) = (self.keep.patience(), Instant::now());
                 }
                 if stop {
                     return Ok(false);

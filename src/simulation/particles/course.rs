@@ -4,6 +4,7 @@
 use super::recording::{Frame, Player, Recorder, Title};
 use crate::error::RunError;
 use crate::model::FlowFile;
+use crate::model::changes::flow_makings;
 use crate::plan::Plan;
 use crate::plan::start::Start;
 use crate::record::TemperatureRecord;
@@ -124,7 +125,8 @@ impl<const D: usize> Tape<D> {
         match course.file {
             None => Ok(Tape::None),
             Some(FlowFile::Record(path)) => {
-                let title = Title::new(course.scene.plan, course.clock);
+                let makings = flow_makings(&course.plan.model.text);
+                let title = Title::new(course.scene.plan, course.clock, makings);
                 let mut recorder = Recorder::new(path, &title, recorded)?;
                 if recorded.is_none() {
                     recorder.push(&shot(&course.scene))?;
@@ -172,7 +174,7 @@ impl<const D: usize> Course<'_, '_, D> {
         let mut tape = Tape::new(&mut self, &from, recorded)?;
         let mut frozen = freeze(self.plan, &self.scene, self.start)?;
         let mut reservoirs = Reservoirs::new(self.plan, &self.scene);
-        let (patience, mut saved_at) = (self.keep.patience(), Instant::now());
+        let (mut patience, mut saved_at) = (self.keep.patience(), Instant::now());
         let piece = (TOGETHER / way.crew.members.len().max(1)).clamp(1 << 10, PIECE);
         for (i, interval) in self.clock.iter().enumerate().skip(from.interval) {
             let tick = interval.tick();
@@ -189,8 +191,10 @@ impl<const D: usize> Course<'_, '_, D> {
                     let stop = self.watch.stopped();
                     let due = patience.is_some_and(|patience| stop || saved_at.elapsed() > patience);
                     // What has just begun is begun again as fast as it is taken up.
-                    if due && at != from {
+                    // A realization that failed fails again after the state before it; without it, nobody would know.
+                    if due && at != from && way.crew.error.is_none() {
                         self.save(name, at, &mut tape, &way)?;
+                        patience = self.keep.patience();
                     }
                     if due {
                         saved_at = Instant::now();

@@ -105,12 +105,13 @@ impl<'p, const D: usize> Ready<'p, D> {
     ) -> Result<(), RunError> {
         let Travelled { crew: Crew { members, error }, course, arrived, interrupted, .. } = way;
         finish.interrupted |= interrupted;
+        // Before the realizations: counted once, however often it is run again.
+        if !interrupted {
+            keep.course(name, course)?;
+        }
         let groups = self.groups();
         for one in members {
             one.conclude(self.plan, keep, arrived, (&groups, &self.scene.plan.home))?;
-        }
-        if !interrupted {
-            keep.course(course)?;
         }
         if arrived {
             keep.forget(name);

@@ -10,12 +10,14 @@ use crate::simulation::clock::Interval;
 use crate::simulation::keep::CourseShare;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Raised when files of an earlier program cannot be read any more.
 const FORMAT: u32 = 1;
+const WORDS: &str = "gillesph flow";
 
 /// What a recording is of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +26,8 @@ pub(super) struct Title {
     format: u32,
     /// Names the particles as they are placed.
     particles: String,
+    /// What of the model makes the flow: values by path.
+    pub makings: BTreeMap<String, String>,
     /// t = 0 and the end of each chemistry step, s.
     times: Vec<f64>,
 }
@@ -37,12 +41,16 @@ pub(super) struct Frame<const D: usize> {
 
 impl Title {
     /// Of a plan whose chemistry goes by this clock.
-    pub fn new<const D: usize>(plan: &ParticlePlan<D>, clock: &[Interval]) -> Title {
+    pub fn new<const D: usize>(
+        plan: &ParticlePlan<D>,
+        clock: &[Interval],
+        makings: BTreeMap<String, String>,
+    ) -> Title {
         let mut times = vec![0.0];
         for interval in clock {
             times.extend((1..=interval.ticks).map(|k| interval.time(k)));
         }
-        Title { words: "gillesph flow".into(), format: FORMAT, particles: name_of(plan), times }
+        Title { words: WORDS.into(), format: FORMAT, particles: name_of(plan), makings, times }
     }
 
     /// The clock by which a chemistry on this flow goes through the output `times`, s: the chemistry steps recorded.
@@ -88,6 +96,18 @@ fn fault(path: &Path, reason: impl std::fmt::Display) -> RunError {
     RunError::File { path: path.display().to_string(), reason: reason.to_string() }
 }
 
+/// Whether a file is a recorded flow.
+fn is_recording(path: &Path) -> bool {
+    let Ok(mut file) = File::open(path) else { return false };
+    let left = file.metadata().map_or(0, |data| data.len());
+    match packet::read(&mut file, left) {
+        Ok(Found::Packet(_, content)) => {
+            postcard::from_bytes::<Title>(&content).is_ok_and(|title| title.words == WORDS)
+        }
+        _ => false,
+    }
+}
+
 /// A recording that is being made, under a temporary name.
 pub(super) struct Recorder {
     path: PathBuf,
@@ -106,6 +126,16 @@ impl Recorder {
         let failed = |error: std::io::Error| fault(&draft, error);
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(failed)?;
+        }
+        if path.exists() && !is_recording(path) {
+            return Err(fault(
+                path,
+                "there is another file in the place of the flow to be recorded; choose another name",
+            ));
+        }
+        if length.is_some() && !draft.exists() && path.exists() {
+            // Stopped between the end of the recording and that of the realizations on it.
+            std::fs::rename(path, &draft).map_err(failed)?;
         }
         let begun = length.filter(|&length| draft.metadata().is_ok_and(|data| data.len() >= length));
         if length.is_some() && begun.is_none() {
@@ -138,7 +168,8 @@ impl Recorder {
 
     /// Drives what was written to the file, so that a state may count on it.
     pub fn flush(&mut self) -> Result<(), RunError> {
-        self.out.flush().map_err(|error| fault(&self.draft, error))
+        let written = self.out.flush().and_then(|()| self.out.get_ref().sync_data());
+        written.map_err(|error| fault(&self.draft, error))
     }
 
     /// Completes the recording and gives it its name.
@@ -164,11 +195,17 @@ impl<const D: usize> Player<D> {
         let failed = |error: std::io::Error| fault(path, error);
         let file = File::open(path).map_err(failed)?;
         let left = file.metadata().map_err(failed)?.len();
-        let nothing = Title { words: String::new(), format: 0, particles: String::new(), times: Vec::new() };
+        let nothing = Title {
+            words: String::new(),
+            format: 0,
+            particles: String::new(),
+            makings: BTreeMap::new(),
+            times: Vec::new(),
+        };
         let mut player =
             Player { path: path.to_path_buf(), file: BufReader::new(file), left, title: nothing };
         player.title = player.read().map_err(|_| fault(path, "this is no recorded flow"))?;
-        if player.title.words != "gillesph flow" || player.title.format != FORMAT {
+        if player.title.words != WORDS || player.title.format != FORMAT {
             return Err(fault(path, "recorded by another version of the program; record it again"));
         }
         if player.title.particles != name_of(plan) {
