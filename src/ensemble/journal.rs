@@ -380,7 +380,7 @@ mod tests {
             outputs,
             amount: values.clone(),
             concentration: values,
-            probes: Vec::new(),
+            ..Piece::default()
         }
     }
 
