@@ -25,8 +25,8 @@ fluid: { method: sph_bvf, density: 1000 kg/m^3, viscosity: 1 mPa s, speed: 1 mm/
 conditions: { push: { force: { acceleration: [100 m/s^2, 0] } } }
 chemistry: { step: 0.25 us }
 initial: { medium: { A: 10000 } }
-run: { until: 800 us, realizations: 2, seed: 1, checkpoint_every: 20 ms }
-output: { every: 8 us }
+run: { until: 4 ms, realizations: 2, seed: 1, checkpoint_every: 20 ms }
+output: { every: 40 us }
 ";
 
 const MANY: &str = "\
@@ -120,8 +120,8 @@ fn what_has_changed_is_named_and_a_running_folder_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{}", words(&output));
         words(&output)
     };
-    let message = resume(&["--set", "run.until=900 us", "--seed", "7"]);
-    for part in ["--set run.until=900 us has come", "seed has changed from 1 to 7", "--force"] {
+    let message = resume(&["--set", "run.until=5 ms", "--seed", "7"]);
+    for part in ["--set run.until=5 ms has come", "seed has changed from 1 to 7", "--force"] {
         assert!(message.contains(part), "`{part}` is missing: {message}");
     }
     let other = LONG.replace("rate: 1e4 1/s", "rate: 2e4 1/s");
@@ -203,8 +203,11 @@ fn a_full_disk_keeps_what_is_finished() {
 #[cfg(target_os = "linux")]
 fn a_run_that_is_out_of_memory_can_be_resumed() {
     let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("m.yaml"), LONG.replace("realizations: 2", "realizations: 200"))
-        .unwrap();
+    std::fs::write(
+        folder.path().join("m.yaml"),
+        LONG.replace("until: 4 ms, realizations: 2", "until: 0.8 ms, realizations: 200"),
+    )
+    .unwrap();
     let whole = gillesph(folder.path(), &["run", "m.yaml", "--out", "whole"]).output().unwrap();
     assert!(whole.status.success(), "{}", words(&whole));
     // Less and less, until it is too little.
