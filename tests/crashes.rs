@@ -205,7 +205,7 @@ fn a_run_that_is_out_of_memory_can_be_resumed() {
     let folder = TempDir::new().unwrap();
     std::fs::write(
         folder.path().join("m.yaml"),
-        LONG.replace("until: 4 ms, realizations: 2", "until: 0.8 ms, realizations: 200"),
+        LONG.replace("until: 4 ms, realizations: 2", "until: 0.1 ms, realizations: 200"),
     )
     .unwrap();
     let whole = gillesph(folder.path(), &["run", "m.yaml", "--out", "whole"]).output().unwrap();
