@@ -68,7 +68,7 @@ pub fn flow_makings(text: &ModelText) -> BTreeMap<String, String> {
     values
 }
 
-/// What differs between the makings of two flows, in words: recorded, and asked for now.
+/// What differs between the makings of two flows, in words: as recorded, and as this model says.
 #[must_use]
 pub fn other_makings(then: &BTreeMap<String, String>, now: &BTreeMap<String, String>) -> Vec<String> {
     let keys: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
