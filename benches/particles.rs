@@ -6,11 +6,11 @@ use divan::counter::ItemsCount;
 use gillesph::chemistry::split::{Frozen, SplitState};
 use gillesph::chemistry::{AVOGADRO, Kinetics, Links, Network, Rate, Reaction, Reactor, Species};
 use gillesph::error::{Place, Source};
-use gillesph::fluid::domain::Domain;
 use gillesph::fluid::exchange::{Voxels, links};
-use gillesph::fluid::kernel::{Kernel, KernelKind};
 use gillesph::fluid::weights::Weights;
 use gillesph::random::{Purpose, stream};
+use gillesph::space::domain::Domain;
+use gillesph::space::kernel::{Kernel, KernelKind};
 use gillesph::vector::Vector;
 use std::sync::Arc;
 

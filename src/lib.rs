@@ -55,6 +55,10 @@ pub mod vector;
 pub mod chemistry;
 pub mod geometry;
 
+pub mod space;
+
+pub mod solid;
+
 pub mod fluid;
 pub mod model;
 

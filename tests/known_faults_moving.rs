@@ -4,10 +4,10 @@ mod chemistry_cases;
 use chemistry_cases::*;
 use gillesph::chemistry::split::{Frozen, SplitState};
 use gillesph::chemistry::{GroupSet, Links, Reactor};
-use gillesph::fluid::domain::Domain;
 use gillesph::fluid::exchange::{Voxels, links};
-use gillesph::fluid::kernel::{Kernel, KernelKind};
 use gillesph::fluid::weights::Weights;
+use gillesph::space::domain::Domain;
+use gillesph::space::kernel::{Kernel, KernelKind};
 use gillesph::vector::Vector;
 
 /// Sixteen particles in a periodic box of 4², carried along the vortices u = 0.2 (sin(πy/2), sin(πx/2)) and

@@ -15,11 +15,11 @@ use chemistry_cases::*;
 use gillesph::chemistry::Reactor;
 use gillesph::chemistry::sampling_numbers::poisson;
 use gillesph::chemistry::split::{Frozen, SplitState};
-use gillesph::fluid::domain::Domain;
 use gillesph::fluid::exchange::{Voxels, links};
-use gillesph::fluid::kernel::{Kernel, KernelKind};
 use gillesph::fluid::weights::Weights;
 use gillesph::random::{Purpose, stream};
+use gillesph::space::domain::Domain;
+use gillesph::space::kernel::{Kernel, KernelKind};
 use gillesph::vector::Vector;
 use rstest::rstest;
 

@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use crate::fluid::candidates::{Candidates, TURNED};
-use crate::fluid::domain::{Domain, Shortest};
-use crate::fluid::kernel::Kernel;
 use crate::fluid::particles::Side;
 use crate::fluid::wide::fill_lists;
+use crate::space::domain::{Domain, Shortest};
+use crate::space::kernel::Kernel;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! Candidates for neighbour lists: who is nearer than a radius, fast enough for lists that noise makes anew every
 //! few steps.
 
-use crate::fluid::domain::Domain;
+use crate::space::domain::Domain;
 use crate::vector::Vector;
 
 /// Marks a candidate that is seen round a periodic axis; fewer than 2^31 particles fit any memory of today.

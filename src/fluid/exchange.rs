@@ -1,12 +1,12 @@
 //! Conductances between particles: how strongly two voxels exchange molecules by diffusion.
 
 use crate::chemistry::Links;
-use crate::fluid::domain::Domain;
-use crate::fluid::kernel::Kernel;
-use crate::fluid::neighbours::Grid;
 use crate::fluid::outline::Behind;
 use crate::fluid::surface::{Facing, NEAREST};
 use crate::fluid::weights::Weights;
+use crate::space::domain::Domain;
+use crate::space::kernel::Kernel;
+use crate::space::neighbours::Grid;
 use crate::vector::Vector;
 
 /// The particles of a cloud as voxels.
@@ -342,7 +342,7 @@ impl<const D: usize> Voxels<'_, D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fluid::kernel::KernelKind;
+    use crate::space::kernel::KernelKind;
     use rand::{Rng, SeedableRng};
 
     /// A periodic lattice of `n` points along each axis, spacing one, moved by up to `jitter` each way.

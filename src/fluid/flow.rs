@@ -2,8 +2,6 @@
 
 use crate::error::RunError;
 use crate::fluid::blocks::Block;
-use crate::fluid::domain::{Domain, Shortest};
-use crate::fluid::kernel::Kernel;
 use crate::fluid::mirror::Mirror;
 use crate::fluid::noise::ThermalNoise;
 use crate::fluid::open::{Open, Openings};
@@ -15,6 +13,8 @@ use crate::fluid::symmetric::Symmetric;
 use crate::fluid::terms::{
     Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity,
 };
+use crate::space::domain::{Domain, Shortest};
+use crate::space::kernel::Kernel;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,8 @@
 //! Fields of particles at any place, by moving least squares.
 
-use crate::fluid::domain::Domain;
-use crate::fluid::kernel::Kernel;
-use crate::fluid::neighbours::Grid;
+use crate::space::domain::Domain;
+use crate::space::kernel::Kernel;
+use crate::space::neighbours::Grid;
 use crate::vector::Vector;
 
 /// The particles a field lives on.
@@ -137,7 +137,7 @@ fn solve<const D: usize>(mut matrix: [[f64; D]; D], right: &Vector<D>) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fluid::kernel::KernelKind;
+    use crate::space::kernel::KernelKind;
     use rand::{Rng, SeedableRng};
 
     fn linear_fields_are_exact_in<const D: usize>(count: usize) {

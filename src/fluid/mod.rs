@@ -3,7 +3,6 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | [`kernel`], [`domain`], [`neighbours`] | W and its gradient; the box; who is near whom |
 //! | [`order`], [`candidates`], [`blocks`] | particles in the order of a space-filling curve; who may come near whom; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
 //! | [`particles`], [`pass`], [`physics`], [`terms`] | state; the sweeps over pairs; what they add up; one equation each |
@@ -25,7 +24,6 @@ pub mod bodies;
 mod buffers;
 pub mod candidates;
 pub mod deform;
-pub mod domain;
 pub mod exchange;
 mod fault;
 mod filter;
@@ -33,11 +31,9 @@ pub mod flow;
 mod image;
 pub mod integrate;
 pub mod interpolate;
-pub mod kernel;
 pub mod limit;
 pub mod mirror;
 pub mod motion;
-pub mod neighbours;
 pub mod noise;
 pub mod observe;
 pub mod open;
@@ -59,17 +55,15 @@ pub mod wall;
 pub mod weights;
 pub mod wide;
 
+pub use crate::space::{Domain, Grid, Kernel, KernelKind};
 pub use bodies::BodyState;
 pub use deform::Deformation;
-pub use domain::Domain;
 pub use exchange::{Barrier, Voxels};
 pub use flow::Flow;
 pub use image::Image;
 pub use interpolate::Interpolator;
-pub use kernel::{Kernel, KernelKind};
 pub use limit::StepLimit;
 pub use motion::Motion;
-pub use neighbours::Grid;
 pub use observe::{FlowHealth, Snapshot};
 pub use open::{End, Open};
 pub use rigid::Free;

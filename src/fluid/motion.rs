@@ -3,8 +3,8 @@
 //! the flow keeps its state in its motion.
 
 use crate::fluid::deform::Deformation;
-use crate::fluid::domain::Domain;
 use crate::fluid::rigid::Rigid;
+use crate::space::domain::Domain;
 use crate::vector::Vector;
 
 /// A motion, prescribed but for a free body's.

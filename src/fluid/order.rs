@@ -1,6 +1,6 @@
 //! An order of the particles in which neighbours in space are neighbours in memory: along Hilbert's curve.
 
-use crate::fluid::domain::Domain;
+use crate::space::domain::Domain;
 use crate::vector::Vector;
 
 /// The order of places (m) along Hilbert's curve through cells of width `width` (m), as indices.

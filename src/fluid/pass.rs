@@ -6,13 +6,13 @@
 //! another does and the order of every sum is that of the lists.
 
 use crate::fluid::blocks::{Block, Contact};
-use crate::fluid::domain::Shortest;
-use crate::fluid::kernel::Kernel;
 use crate::fluid::particles::Side;
 use crate::fluid::physics::{Makeup, Terms};
 use crate::fluid::symmetric::Symmetric;
 use crate::fluid::terms::Shift;
 use crate::fluid::terms::continuity::Spread;
+use crate::space::domain::Shortest;
+use crate::space::kernel::Kernel;
 use crate::vector::Vector;
 
 /// The geometry of a pair: x = x_i - x_j (m) and F (m^-(D+2)); the gradient of W is -F x.

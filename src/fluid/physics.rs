@@ -1,6 +1,5 @@
 //! The physics of a flow: terms added up.
 
-use crate::fluid::kernel::Kernel;
 use crate::fluid::noise::ThermalNoise;
 use crate::fluid::particles::Side;
 use crate::fluid::pass::{Approach, Pair};
@@ -8,6 +7,7 @@ use crate::fluid::setup::Friction;
 use crate::fluid::terms::{
     Continuity, DensityDiffusion, Moment, Pressure, Shift, TransportStress, Viscosity, viscosity,
 };
+use crate::space::kernel::Kernel;
 use crate::vector::Vector;
 
 /// The physics of a flow. Optional physics is an `Option`.

@@ -10,8 +10,8 @@
 
 use nalgebra::Matrix3;
 
-use crate::fluid::domain::Domain;
 use crate::fluid::motion::Motion;
+use crate::space::domain::Domain;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::error::RunError;
-use crate::fluid::domain::Domain;
-use crate::fluid::kernel::KernelKind;
 use crate::fluid::motion::Motion;
+use crate::space::domain::Domain;
+use crate::space::kernel::KernelKind;
 use crate::vector::Vector;
 
 /// Signed distance to a surface, m: negative inside the solid. In the frame of the body at t = 0, asked for points

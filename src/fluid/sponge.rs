@@ -1,7 +1,7 @@
 //! Sponges: regions where the velocity relaxes to a target, solved exactly.
 
-use crate::fluid::domain::Domain;
 use crate::fluid::setup::Sponge;
+use crate::space::domain::Domain;
 use crate::vector::Vector;
 
 /// The sponges with their decay over one kick.

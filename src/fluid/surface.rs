@@ -77,9 +77,9 @@ fn faced<const D: usize>(
 mod tests {
     use super::*;
     use crate::fluid::Weights;
-    use crate::fluid::domain::Domain;
     use crate::fluid::exchange::exchange;
-    use crate::fluid::kernel::{Kernel, KernelKind};
+    use crate::space::domain::Domain;
+    use crate::space::kernel::{Kernel, KernelKind};
     use crate::vector::Vector;
 
     const CUTOFF: f64 = 2.4;

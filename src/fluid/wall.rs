@@ -1,10 +1,10 @@
 //! How fluid particles are kept out of walls.
 
 use crate::fluid::blocks::Block;
-use crate::fluid::domain::Domain;
 use crate::fluid::motion::Motion;
 use crate::fluid::particles::{Own, Side};
 use crate::fluid::setup::{Body, BodyKind, Surface};
+use crate::space::domain::Domain;
 use crate::vector::Vector;
 
 /// The solids and the box as obstacles.

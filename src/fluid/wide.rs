@@ -3,11 +3,11 @@
 
 use crate::fluid::blocks::Block;
 use crate::fluid::candidates::Candidates;
-use crate::fluid::domain::Shortest;
-use crate::fluid::kernel::Kernel;
 use crate::fluid::particles::Side;
 use crate::fluid::pass::{Rates, densities, forces};
 use crate::fluid::physics::Terms;
+use crate::space::domain::Shortest;
+use crate::space::kernel::Kernel;
 use crate::vector::Vector;
 
 /// First sweep over a block: finds the contacts, sums density rates, second moments and volume fractions of solid.

@@ -9,8 +9,8 @@ use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
 use crate::chemistry::Network;
 use crate::fluid::Weights;
-use crate::fluid::kernel::KernelKind;
 use crate::quantity::Dimension;
+use crate::space::kernel::KernelKind;
 use crate::vector::Vector;
 
 /// Where the chemistry happens.

@@ -38,8 +38,8 @@ impl Pressure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fluid::kernel::{Kernel, KernelKind};
     use crate::fluid::terms::tests::side;
+    use crate::space::kernel::{Kernel, KernelKind};
 
     #[test]
     fn the_switch_acts_on_tension_alone_and_only_for_its_form() {

@@ -1,7 +1,7 @@
 //! The background pressure that keeps particles evenly spread without touching their momentum.
 
-use crate::fluid::kernel::{Kernel, KernelKind};
 use crate::fluid::pass::Pair;
+use crate::space::kernel::{Kernel, KernelKind};
 use crate::vector::Vector;
 
 /// Transport less momentum velocity, w_i = (dt/2) P_b (1/m_i) Σ 2 V_i V_j F x_ij, with the background pressure

@@ -1,11 +1,11 @@
 //! What all terms have in common: forces are opposite, sums over a material keep its mass.
 
 use super::*;
-use crate::fluid::kernel::{Kernel, KernelKind};
 use crate::fluid::particles::{Material, Side};
 use crate::fluid::pass::{Approach, Pair};
 use crate::fluid::setup::Friction;
 use crate::fluid::symmetric::Symmetric;
+use crate::space::kernel::{Kernel, KernelKind};
 use crate::vector::Vector;
 use rand::{Rng, SeedableRng};
 

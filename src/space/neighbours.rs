@@ -1,6 +1,6 @@
 //! Who is near whom: a grid of cells.
 
-use crate::fluid::domain::Domain;
+use crate::space::domain::Domain;
 use crate::vector::Vector;
 
 /// Points sorted into cells at least one cut-off wide.

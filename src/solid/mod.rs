@@ -1,0 +1,20 @@
+//! Elastic solids: total-Lagrangian smoothed particle hydrodynamics. Knows particles, never a fluid or a species.
+//!
+//! | file | idea |
+//! |---|---|
+//! | [`material`] | stress as a function of the deformation gradient |
+//! | [`bonds`] | neighbours of the undeformed solid, the corrected gradient |
+//! | [`elastic`], `force`, `step` | a solid in motion; its internal forces; one step |
+//! | [`limit`] | its fastest mode and the longest stable step |
+//! | [`measure`] | momentum, energy, stress |
+
+pub mod bonds;
+pub mod elastic;
+mod force;
+pub mod limit;
+pub mod material;
+pub mod measure;
+mod step;
+
+pub use elastic::{Elastic, Hold, Options, Setup};
+pub use material::{Law, Material};

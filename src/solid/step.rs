@@ -1,0 +1,64 @@
+//! One step of an elastic solid: kick, drift, forces, kick.
+
+use crate::error::RunError;
+use crate::solid::elastic::{Elastic, Hold};
+use crate::vector::Vector;
+
+impl<const D: usize> Elastic<D> {
+    /// One step of `dt` (s), with the loads that are set.
+    ///
+    /// # Errors
+    /// [`RunError::BlowUp`] for a particle that is turned inside out or lost.
+    pub fn step(&mut self, dt: f64) -> Result<(), RunError> {
+        self.kick(0.5 * dt, true);
+        for ((u, v), hold) in self.displacements.iter_mut().zip(&self.velocities).zip(&self.holds) {
+            if matches!(hold, Hold::Free) {
+                *u += v * dt;
+            }
+        }
+        self.time += dt;
+        self.steps += 1;
+        self.drive();
+        self.strain()?;
+        self.pull();
+        self.kick(0.5 * dt, true);
+        self.tally.particle_steps += self.places.len() as u64;
+        Ok(())
+    }
+
+    /// Advances by `duration` (s) in equal steps of at most `longest` (s).
+    ///
+    /// # Errors
+    /// As [`Elastic::step`].
+    pub fn advance(&mut self, duration: f64, longest: f64) -> Result<(), RunError> {
+        let steps = (duration / longest).ceil().max(1.0);
+        for _ in 0..steps as u64 {
+            self.step(duration / steps)?;
+        }
+        Ok(())
+    }
+
+    /// v += dt a; the drag is solved exactly.
+    fn kick(&mut self, dt: f64, inner: bool) {
+        let drag = (-self.options.drag * dt).exp();
+        let density = self.material.density;
+        for (i, velocity) in self.velocities.iter_mut().enumerate() {
+            if !matches!(self.holds[i], Hold::Free) {
+                continue;
+            }
+            let force: Vector<D> = if inner { self.forces[i] + self.loads[i] } else { self.loads[i] };
+            let pull = force / (density * self.volumes[i]) + self.options.body_force;
+            *velocity = (*velocity + pull * dt) * drag;
+        }
+    }
+
+    /// Driven particles to their place and velocity of now.
+    pub(super) fn drive(&mut self) {
+        let t = self.time;
+        for (i, hold) in self.holds.iter().enumerate() {
+            if let Hold::Driven(drive) = hold {
+                self.displacements[i] = drive(&self.places[i], t);
+            }
+        }
+    }
+}
