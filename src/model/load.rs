@@ -211,6 +211,8 @@ fn read(
         fields.optional("groups"),
         fields.optional("fluid"),
         fields.optional("conditions"),
+        fields.optional("solids"),
+        fields.optional("mechanics"),
     ];
     let flow_node = fields.optional("flow");
     let chemistry_node = fields.optional("chemistry");
@@ -237,6 +239,8 @@ fn read(
                 groups: sections[1],
                 fluid: sections[2],
                 conditions: sections[3],
+                solids: sections[4],
+                mechanics: sections[5],
             },
             &network,
             faults,
