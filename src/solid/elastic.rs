@@ -97,7 +97,7 @@ pub struct Elastic<const D: usize> {
 }
 
 /// What is counted over the steps.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tally {
     pub particle_steps: u64,
     pub bond_evaluations: u64,
