@@ -13,7 +13,7 @@ use super::{
 use crate::chemistry::{Network, Representation};
 use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::Dimension;
-use crate::record::{ModelText, PARTICLE_COLUMNS};
+use crate::record::{ModelText, PARTICLE_COLUMNS, SOLID_COLUMNS};
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::path::{Component, Path, PathBuf};
@@ -422,7 +422,7 @@ fn check_names(network: &Network, domain: &domain::Domain, faults: &mut Faults) 
         let name = species.name.as_str();
         let taken = if groups.iter().any(|group| group == name) {
             "a group of this model"
-        } else if particles && PARTICLE_COLUMNS.contains(&name) {
+        } else if particles && (PARTICLE_COLUMNS.contains(&name) || SOLID_COLUMNS.contains(&name)) {
             "a column of the particle tables"
         } else {
             continue;

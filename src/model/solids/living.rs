@@ -7,7 +7,7 @@ use crate::model::groups::Group;
 use crate::model::names::species_named;
 use crate::model::node::Node;
 use crate::model::reader::{Faults, Fields};
-use crate::quantity::{Dimension, did_you_mean};
+use crate::quantity::Dimension;
 
 /// A species softens the solid: G = G0 (1 - factor c/at); K stays.
 #[derive(Clone, Copy, Debug, PartialEq)]
