@@ -10,6 +10,7 @@ mod distributions;
 pub mod drawing;
 mod fields;
 pub mod maps;
+mod histories;
 mod overview;
 mod painting;
 pub mod panel;
@@ -143,6 +144,7 @@ pub fn draw(samples: &Samples) -> Vec<Figure> {
     out.extend(time::occupancy(samples));
     out.extend(time::amounts(samples));
     out.extend(probes::probes(samples));
+    out.extend(histories::histories(samples));
     out.extend(distributions::distributions(samples));
     out.extend(time::fano(samples));
     out
