@@ -108,7 +108,10 @@ fn check_thickness(
     if across < FEWEST {
         faults.push(Fault::at(
             &solid.places.spacing,
-            format!("the elastic solid `{name}` is {} thin at {at}: {across} particles across, and bending needs at least {FEWEST}", length(thickness)),
+            format!(
+                "the elastic solid `{name}` is {} thin at {at}, which is room for {across} of the {FEWEST} particles across that bending needs",
+                length(thickness)
+            ),
             format!("set solids.{name}.spacing: {} or less, or make it thicker", length(thickness / FEWEST)),
         ));
     }
