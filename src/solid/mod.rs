@@ -7,6 +7,7 @@
 //! | [`elastic`], `force`, `step` | a solid in motion; its internal forces; one step |
 //! | [`limit`] | its fastest mode and the longest stable step |
 //! | [`measure`] | momentum, energy, stress |
+//! | [`state`] | what must be kept to go on later |
 
 pub mod bonds;
 pub mod elastic;
@@ -14,7 +15,9 @@ mod force;
 pub mod limit;
 pub mod material;
 pub mod measure;
+pub mod state;
 mod step;
 
 pub use elastic::{Elastic, Hold, Options, Setup};
 pub use material::{Law, Material};
+pub use state::ElasticState;
