@@ -15,8 +15,11 @@
 
 use crate::error::RunError;
 use crate::fluid::motion::Motion;
+use crate::fluid::setup::Surface;
+use crate::fluid::wall::{direction, gradient};
 use crate::solid::{Elastic, ElasticState};
 use crate::space::matrix::{Matrix, inverse};
+use crate::space::{Domain, Grid};
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 
@@ -32,8 +35,10 @@ pub struct Coupled<const D: usize> {
     before: Vec<Vector<D>>,
     /// F⁻¹.
     back: Vec<Matrix<D>>,
-    /// ∇v where the solid is now, 1/s.
-    slope: Vec<Matrix<D>>,
+    /// The particle at the surface before each particle, and the way from it to the surface at rest, m.
+    faces: Option<Vec<(u32, Vector<D>)>>,
+    /// Velocity of the surface before each particle, m/s.
+    shown: Vec<Vector<D>>,
     held: bool,
 }
 
@@ -59,7 +64,8 @@ impl<const D: usize> Coupled<D> {
             pull: vec![Vector::zeros(); n],
             before: solid.velocities().to_vec(),
             back: (0..n).map(|i| inverse(&solid.gradient(i))).collect(),
-            slope: vec![Matrix::zeros(); n],
+            faces: None,
+            shown: vec![Vector::zeros(); n],
             held: false,
             solid,
         };
@@ -90,10 +96,10 @@ impl<const D: usize> Coupled<D> {
         if self.held { Vector::zeros() } else { self.solid.velocities()[row] }
     }
 
-    /// Velocity of the solid at a distance `away` (m) from particle `row`, m/s.
+    /// Velocity of the surface before particle `row`, m/s; where that is not known the particle's own.
     #[must_use]
-    pub fn velocity_beside(&self, row: usize, away: &Vector<D>) -> Vector<D> {
-        if self.held { Vector::zeros() } else { self.solid.velocities()[row] + self.slope[row] * away }
+    pub fn velocity_of_surface(&self, row: usize) -> Vector<D> {
+        if self.held { Vector::zeros() } else { self.shown[row] }
     }
 
     /// Acceleration of particle `row` as the pressure at the surface is told it, m/s².
@@ -114,6 +120,11 @@ impl<const D: usize> Coupled<D> {
         self.back[row].tr_mul(covector)
     }
 
+    /// Volume of the solid less that at rest, m^D.
+    pub(super) fn swelling(&self) -> f64 {
+        (0..self.solid.len()).map(|i| self.solid.volume(i) - self.solid.volumes()[i]).sum()
+    }
+
     /// The edge of the cube particle `row` filled at rest, m.
     #[must_use]
     pub fn edge(&self, row: usize) -> f64 {
@@ -131,6 +142,31 @@ impl<const D: usize> Coupled<D> {
             if distance < least { (i, distance) } else { (best, least) }
         };
         (0..self.solid.len()).fold((0, f64::INFINITY), nearer).0
+    }
+
+    /// Finds what of the solid is at the surface, from its signed distance at rest (m).
+    pub(super) fn find_faces(&mut self, surface: &Surface<D>, domain: &Domain<D>) {
+        let places = self.solid.places();
+        let reach = 2.0 * (0..places.len()).map(|i| self.edge(i)).fold(0.0, f64::max);
+        let grid = Grid::build(places, domain, reach);
+        let face = |i: usize| {
+            let (here, edge) = (places[i], self.edge(i));
+            let distance = |x: &Vector<D>| surface(&domain.wrap(x));
+            let depth = -distance(&here);
+            let out = direction(&gradient(distance, &here, 1e-4 * edge));
+            let there = here + out * depth.max(0.0);
+            let mut nearest = (i, here - there, f64::INFINITY);
+            grid.for_each_near(&there, places, |j, away, r2| {
+                if r2 < nearest.2 {
+                    nearest = (j, away, r2);
+                }
+            });
+            let (j, away, least) = nearest;
+            // A surface without particles near it is not that of the solid.
+            if least.is_finite() { (j as u32, away) } else { (i as u32, Vector::zeros()) }
+        };
+        self.faces = Some((0..places.len()).map(face).collect());
+        self.tell(0.0, 1.0);
     }
 
     /// Holds the solid where it is, at rest.
@@ -166,8 +202,16 @@ impl<const D: usize> Coupled<D> {
     /// What the fluid is to see of the velocities after a step of `dt` (s); `time` (s) is that of the mean of the
     /// acceleration.
     pub(super) fn tell(&mut self, dt: f64, time: f64) {
-        for (i, slope) in self.slope.iter_mut().enumerate() {
-            *slope = self.solid.rate_of_gradient(i) * self.back[i];
+        let solid = &self.solid;
+        match &self.faces {
+            // By the outermost particle: a gradient from further down would make more of its noise than there is.
+            Some(faces) => {
+                for (shown, (face, way)) in self.shown.iter_mut().zip(faces) {
+                    let face = *face as usize;
+                    *shown = solid.velocities()[face] + solid.rate_of_gradient(face) * way;
+                }
+            }
+            None => self.shown.copy_from_slice(solid.velocities()),
         }
         if self.held || dt <= 0.0 {
             return;

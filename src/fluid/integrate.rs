@@ -333,18 +333,21 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    /// Mean of rho/rho0 - 1 over the mass of the fluid, on the steps that take it out; else zero.
+    /// Mean of rho/rho0 - 1 over the mass of the fluid less what elastic bodies press it by as they swell, on the steps that
+    /// take it out; else zero.
     fn density_drift(&self) -> f64 {
         let every = self.setup.drift_correction;
         if every == 0 || !self.steps.is_multiple_of(every) {
             return 0.0;
         }
-        let (mut mass, mut sum) = (0.0, 0.0);
+        let (mut mass, mut sum, mut volume) = (0.0, 0.0, 0.0);
         for (side, own) in self.sides.iter().zip(&self.own).filter(|(side, _)| !side.is_solid()) {
             mass += own.mass;
             sum += own.mass * (side.density / own.rest_density - 1.0);
+            volume += own.mass / own.rest_density;
         }
-        if mass > 0.0 { sum / mass } else { 0.0 }
+        let swelling: f64 = self.elastic_bodies().map(|(_, coupled)| coupled.swelling()).sum();
+        if mass > 0.0 { sum / mass - swelling / volume } else { 0.0 }
     }
 
     /// Whether solids continue the velocity of the fluid by a parabola.
@@ -375,7 +378,11 @@ impl<const D: usize> Flow<D> {
                             Motion::Elastic(coupled) => {
                                 let number = numbers[sides[i].id as usize] as usize;
                                 let wall = Moving {
-                                    velocity: |x: &Vector<D>| coupled.velocity_beside(number, x),
+                                    // At the place itself where no direction leads out.
+                                    velocity: |x: &Vector<D>| match *x == Vector::<D>::zeros() {
+                                        true => coupled.velocity(number),
+                                        false => coupled.velocity_of_surface(number),
+                                    },
                                     acceleration: coupled.acceleration(number),
                                     gravity,
                                     continuation,

@@ -138,11 +138,12 @@ impl<const D: usize> Obstacles<'_, D> {
         near: &Near<D>,
     ) -> Option<(f64, Vector<D>)> {
         let BodyKind::Solid { motion, surface: Some(surface), .. } = &body.kind else { return None };
+        let step = 1e-4 * self.spacing;
         let Motion::Elastic(coupled) = motion else {
             let distance =
                 |x: &Vector<D>| surface(&self.domain.wrap(&motion.origin(&self.domain.wrap(x), self.time)));
             let depth = -distance(place);
-            return (depth > 0.0).then(|| (depth, direction(&self.gradient(distance, place))));
+            return (depth > 0.0).then(|| (depth, direction(&gradient(distance, place, step))));
         };
         let (row, away) = near.nearest(number, place, self.rows)?;
         let origin = coupled.origin_beside(row, &away);
@@ -153,19 +154,8 @@ impl<const D: usize> Obstacles<'_, D> {
         let distance = |x: &Vector<D>| surface(&self.domain.wrap(x));
         let depth = -distance(&origin);
         (depth > 0.0).then(|| {
-            let out = coupled.push_forward(row, &direction(&self.gradient(distance, &origin)));
+            let out = coupled.push_forward(row, &direction(&gradient(distance, &origin, step)));
             (depth / out.norm(), direction(&out))
-        })
-    }
-
-    /// Gradient of a distance at a place, by difference quotients.
-    fn gradient(&self, distance: impl Fn(&Vector<D>) -> f64, place: &Vector<D>) -> Vector<D> {
-        let step = 1e-4 * self.spacing;
-        Vector::from_fn(|k, _| {
-            let (mut up, mut down) = (*place, *place);
-            up[k] += step;
-            down[k] -= step;
-            (distance(&up) - distance(&down)) / (2.0 * step)
         })
     }
 
@@ -185,8 +175,22 @@ impl<const D: usize> Obstacles<'_, D> {
     }
 }
 
+/// Gradient of a distance at a place, by difference quotients of `step` (m).
+pub(super) fn gradient<const D: usize>(
+    distance: impl Fn(&Vector<D>) -> f64,
+    place: &Vector<D>,
+    step: f64,
+) -> Vector<D> {
+    Vector::from_fn(|k, _| {
+        let (mut up, mut down) = (*place, *place);
+        up[k] += step;
+        down[k] -= step;
+        (distance(&up) - distance(&down)) / (2.0 * step)
+    })
+}
+
 /// A vector of length one along another, or none along none.
-fn direction<const D: usize>(x: &Vector<D>) -> Vector<D> {
+pub(super) fn direction<const D: usize>(x: &Vector<D>) -> Vector<D> {
     let length = x.norm();
     if length > 0.0 { x / length } else { Vector::zeros() }
 }
