@@ -235,6 +235,16 @@ impl<const D: usize> Elastic<D> {
         &mut self.softness
     }
 
+    /// Forces anew, with the softness of now.
+    ///
+    /// # Errors
+    /// As [`Elastic::step`].
+    pub fn renew(&mut self) -> Result<(), RunError> {
+        self.strain()?;
+        self.pull();
+        Ok(())
+    }
+
     /// Time, s.
     #[must_use]
     pub fn time(&self) -> f64 {
