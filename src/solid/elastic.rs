@@ -71,6 +71,7 @@ pub(super) struct Strain<const D: usize> {
 }
 
 /// An elastic solid in motion.
+#[derive(Clone)]
 pub struct Elastic<const D: usize> {
     pub(super) places: Vec<Vector<D>>,
     pub(super) volumes: Vec<f64>,
@@ -131,7 +132,7 @@ impl<const D: usize> Elastic<D> {
             steps: 0,
             tally: Tally::default(),
         };
-        solid.drive();
+        solid.drive(0.0);
         solid.strain()?;
         solid.pull();
         Ok(solid)
@@ -161,6 +162,18 @@ impl<const D: usize> Elastic<D> {
         &self.places
     }
 
+    /// What the particles fill at rest, m^D.
+    #[must_use]
+    pub fn volumes(&self) -> &[f64] {
+        &self.volumes
+    }
+
+    /// Whether particle `i` is held or driven.
+    #[must_use]
+    pub fn is_held(&self, i: usize) -> bool {
+        !matches!(self.holds[i], Hold::Free)
+    }
+
     /// m/s.
     #[must_use]
     pub fn velocities(&self) -> &[Vector<D>] {
@@ -174,6 +187,12 @@ impl<const D: usize> Elastic<D> {
             Hold::Free => (self.forces[i] + self.loads[i]) / self.mass(i) + self.options.body_force,
             _ => Vector::zeros(),
         }
+    }
+
+    /// kg/m³ at rest.
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        self.material.density
     }
 
     /// Mass of particle `i` without what has grown, kg per unit thickness.
