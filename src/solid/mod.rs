@@ -7,14 +7,20 @@
 //! | [`elastic`], `force`, `step` | a solid in motion; its internal forces; one step |
 //! | [`limit`] | its fastest mode and the longest stable step |
 //! | [`measure`] | momentum, energy, stress |
+//! | [`jaumann`], `nearby` | the updated-Lagrangian form, for comparison; neighbours of particles that move |
 
 pub mod bonds;
+#[cfg(test)]
+mod cases;
 pub mod elastic;
 mod force;
+pub mod jaumann;
 pub mod limit;
 pub mod material;
 pub mod measure;
+mod nearby;
 mod step;
 
 pub use elastic::{Elastic, Hold, Options, Setup};
+pub use jaumann::{Form, Jaumann};
 pub use material::{Law, Material};
