@@ -16,6 +16,7 @@ use super::{Finish, NotReady, Watch, paths};
 use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
 use crate::error::{Fault, ModelError, RunError};
 use crate::fluid::Flow;
+use crate::scene::{AT_A_TIME, Moving};
 use crate::model::changes::{flow_makings, other_makings};
 use crate::model::{FlowFile, Integrator, Method};
 use crate::plan::limits::{check_euler, check_steps};
@@ -39,14 +40,16 @@ pub struct Ready<'p, const D: usize> {
     chemistry_step: f64,
     chemistry_limit: String,
     fluid: Option<(f64, String)>,
+    /// Longest step of the elastic solids that no fluid moves, s.
+    solid: Option<f64>,
     clock: Vec<Interval>,
     fluid_seconds: f64,
     /// Error of splitting and the time over which it was found, s.
     splitting: Option<(SplittingError, f64)>,
     /// Of the flow, m/s.
     sound_speed: f64,
-    /// The settled flow, until the first realizations take it.
-    fresh: Mutex<Option<Flow<D>>>,
+    /// The settled flow and the solids, until the first realizations take them.
+    fresh: Mutex<Option<Moving<D>>>,
 }
 
 impl<'p, const D: usize> Ready<'p, D> {
@@ -88,6 +91,10 @@ impl<'p, const D: usize> Ready<'p, D> {
             check_steps(place, "fluid", limit.seconds, &limit.limited_by, duration)?;
             fluid = Some((limit.seconds, limit.limited_by));
         }
+        let solid = scene.solid_step();
+        if let Some(step) = solid {
+            check_steps(&plan.model.places.run, "solid", step, "the fastest mode of the solid", until)?;
+        }
         if player.is_none() {
             scene.look();
         }
@@ -126,13 +133,17 @@ impl<'p, const D: usize> Ready<'p, D> {
             check_steps(&plan.model.places.chemistry, "chemistry", step, &limit, until)?;
             let clock = match &player {
                 Some(player) => recorded(plan, &player.title, (step, &limit))?,
-                None => intervals(&plan.model.output.times, step, fluid.as_ref().map(|f| f.0)),
+                None => {
+                    // Solids that no fluid moves go several of their own steps at a time.
+                    let motion = fluid.as_ref().map(|f| f.0).or(solid.map(|step| AT_A_TIME * step));
+                    intervals(&plan.model.output.times, step, motion)
+                }
             };
             let splitting = estimate(plan, &scene, &frozen, &start, &clock);
             (step, limit, clock, splitting)
         };
         let sound_speed = scene.flow.as_ref().map_or(0.0, Flow::sound_speed);
-        let fresh = Mutex::new(scene.flow.take());
+        let fresh = Mutex::new(Some(scene.take_motion()));
         Ok(Ready {
             plan,
             scene,
@@ -141,6 +152,7 @@ impl<'p, const D: usize> Ready<'p, D> {
             chemistry_step,
             chemistry_limit,
             fluid,
+            solid,
             clock,
             fluid_seconds,
             splitting,
@@ -169,11 +181,16 @@ impl<'p, const D: usize> Ready<'p, D> {
             return self.run_events(realizations, method, watch, keep);
         }
         let replayed = matches!(self.plan.model.flow, Some(FlowFile::Replay(_)));
-        match (self.fluid.is_some() || replayed, self.plan.model.flows_differ()) {
+        match (self.moves() || replayed, self.plan.model.flows_differ()) {
             (true, false) => self.run_on_flow(realizations, watch, keep),
             (true, true) => self.run_on_flows(realizations, watch, keep),
             (false, _) => self.run_at_rest(realizations, watch, keep),
         }
+    }
+
+    /// Whether a fluid or solids move.
+    pub(super) fn moves(&self) -> bool {
+        self.fluid.is_some() || self.solid.is_some()
     }
 
     /// Time spent to let the flow settle, s.
@@ -220,7 +237,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         }
         let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).take();
         match fresh {
-            Some(flow) => Ok(Some(Scene::at_rest(self.scene.plan).with_flow(Some(flow)))),
+            Some(moving) => Ok(Some(Scene::at_rest(self.scene.plan).with_motion(moving))),
             None => settled(self.scene.plan, 0, watch),
         }
     }

@@ -97,7 +97,7 @@ pub struct Elastic<const D: usize> {
 }
 
 /// What is counted over the steps.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tally {
     pub particle_steps: u64,
     pub bond_evaluations: u64,
@@ -214,6 +214,16 @@ impl<const D: usize> Elastic<D> {
     /// Factor of the shear modulus of each particle, from the coming forces on.
     pub fn softness_mut(&mut self) -> &mut [f64] {
         &mut self.softness
+    }
+
+    /// Forces anew, with the softness of now.
+    ///
+    /// # Errors
+    /// As [`Elastic::step`].
+    pub fn renew(&mut self) -> Result<(), RunError> {
+        self.strain()?;
+        self.pull();
+        Ok(())
     }
 
     /// Time, s.

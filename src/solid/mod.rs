@@ -8,6 +8,7 @@
 //! | [`limit`] | its fastest mode and the longest stable step |
 //! | [`measure`] | momentum, energy, stress |
 //! | [`jaumann`], `nearby` | the updated-Lagrangian form, for comparison; neighbours of particles that move |
+//! | [`state`] | what must be kept to go on later |
 
 pub mod bonds;
 #[cfg(test)]
@@ -19,8 +20,10 @@ pub mod limit;
 pub mod material;
 pub mod measure;
 mod nearby;
+pub mod state;
 mod step;
 
 pub use elastic::{Elastic, Hold, Options, Setup};
 pub use jaumann::{Form, Jaumann};
 pub use material::{Law, Material};
+pub use state::ElasticState;

@@ -60,7 +60,7 @@ impl<const D: usize> Ready<'_, D> {
         } else {
             format!(
                 "splitting of {}diffusion and reaction: second order in the chemistry step of {}",
-                if self.fluid.is_some() || replayed { "motion, " } else { "" },
+                if self.moves() || replayed { "motion, " } else { "" },
                 show(longest, "s")
             )
         };
@@ -74,6 +74,11 @@ impl<const D: usize> Ready<'_, D> {
                     limited_by.clone()
                 },
             }),
+            solid: self.solid.map(|step| StepRecord {
+                step,
+                count: (self.plan.model.run.until / step).ceil() as u64,
+                limited_by: "the fastest mode of the solid".into(),
+            }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
             approximations: hybrids::approximations(self.plan, Some(in_time), self.splitting.as_ref())
@@ -81,7 +86,7 @@ impl<const D: usize> Ready<'_, D> {
                 .chain(self.scene.plan.weights.caveat().map(String::from))
                 .collect(),
             splitting_error: self.splitting.map(|(error, _)| error.relative),
-            shared_flow: (self.fluid.is_some() || replayed) && !self.plan.model.flows_differ(),
+            shared_flow: (self.moves() || replayed) && !self.plan.model.flows_differ(),
         }
     }
 }
