@@ -13,6 +13,9 @@
 
 mod force;
 mod measure;
+mod state;
+
+pub use state::JaumannState;
 
 use rayon::prelude::*;
 

@@ -24,6 +24,6 @@ pub mod state;
 mod step;
 
 pub use elastic::{Elastic, Hold, Options, Setup};
-pub use jaumann::{Form, Jaumann};
+pub use jaumann::{Form, Jaumann, JaumannState};
 pub use material::{Law, Material};
 pub use state::ElasticState;

@@ -32,7 +32,7 @@ impl<const D: usize> Nearby<D> {
         }
     }
 
-    fn make(&mut self, positions: &[Vector<D>], domain: &Domain<D>) {
+    pub(super) fn make(&mut self, positions: &[Vector<D>], domain: &Domain<D>) {
         let grid = Grid::build(positions, domain, (1.0 + SKIN) * self.cutoff);
         self.offsets.clear();
         self.list.clear();
@@ -54,10 +54,5 @@ impl<const D: usize> Nearby<D> {
     #[inline(always)]
     pub(super) fn of(&self, i: usize) -> &[u32] {
         &self.list[self.offsets[i] as usize..self.offsets[i + 1] as usize]
-    }
-
-    /// Entries in all.
-    pub(super) fn count(&self) -> usize {
-        self.list.len()
     }
 }

@@ -99,7 +99,7 @@ impl Beam {
         2.0 * std::f64::consts::PI / Timoshenko { length, height, material, plane }.frequency(self.ends, n)
     }
 
-    /// Period in plane strain by finite elements of an eighth of the height, s.
+    /// Period in plane strain by finite elements of a sixteenth of the height, s.
     #[must_use]
     pub fn reference(&self, n: usize) -> f64 {
         let held = match self.ends {
@@ -107,7 +107,7 @@ impl Beam {
             Ends::Free => [false; 2],
             Ends::Clamped => [true; 2],
         };
-        let elements = [(8.0 * self.length / self.height).round() as usize, 8];
+        let elements = [(16.0 * self.length / self.height).round() as usize, 16];
         let Beam { length, height, material, .. } = *self;
         let sheet = Sheet { length, height, elements, held, material };
         2.0 * std::f64::consts::PI / sheet.frequency(2.0 * std::f64::consts::PI / self.theory(n, true))
@@ -186,6 +186,8 @@ pub struct Swing {
 
 /// Samples kept of each period.
 const SAMPLES: f64 = 100.0;
+/// Steps from one look to the next: a part of a thousand of a period, between which deflections are straight.
+const EVERY: u64 = 8;
 
 /// Lets a solid swing `periods` times in steps of `dt` (s) and looks along the mode `shape`; `expected` (s) is about
 /// its period.
@@ -204,7 +206,9 @@ pub fn swing<const D: usize>(
     let mut out = Swing::default();
     let (first, mut zeros, mut last, mut next) = (solid.energy(), Vec::new(), (0.0, 0.0), 0.0);
     while zeros.len() < 2 * periods {
-        solid.go(dt)?;
+        for _ in 0..EVERY {
+            solid.go(dt)?;
+        }
         let now = solid.now();
         let moved = |i: usize| (solid.place(i) - places[i])[1];
         let deflection = (0..places.len()).map(|i| weights[i] * moved(i)).sum::<f64>() / size;
@@ -221,7 +225,7 @@ pub fn swing<const D: usize>(
             out.deflections.push(deflection);
             out.energies.push(solid.energy() / first);
         }
-        out.particle_steps += places.len() as f64;
+        out.particle_steps += (EVERY * places.len() as u64) as f64;
         if now > 3.0 * expected * periods as f64 {
             return Err(super::failed("the beam does not swing".into()));
         }

@@ -30,37 +30,44 @@ impl<const D: usize> Jaumann<D> {
         let alpha = self.form.artificial_viscosity;
         let (sound, h) = (self.material.sound_speed(), 0.5 * kernel.cutoff());
         let (parted, usual) = (self.form.artificial_stress != 0.0, 1.0 / kernel.value(self.spacing));
-        self.accelerations.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, rows)| {
-            for (row, out) in rows.iter_mut().enumerate() {
-                let i = chunk * CHUNK + row;
-                let mut sum: Vector<D> = Vector::zeros();
-                for &j in near.of(i) {
-                    let j = j as usize;
-                    let away = domain.separation(&x[j], &x[i]);
-                    let r2 = away.norm_squared();
-                    let r = r2.sqrt();
-                    if r >= kernel.cutoff() {
-                        continue;
-                    }
-                    let mut pull = pulls[i].stress + pulls[j].stress;
-                    if parted {
-                        let nearness = (kernel.value(r) * usual).powi(4);
-                        pull += (pulls[i].artificial + pulls[j].artificial) * nearness;
-                    }
-                    let closing = (v[j] - v[i]).dot(&away);
-                    if alpha > 0.0 && closing < 0.0 {
-                        let mu = h * closing / (r2 + 0.01 * h * h);
-                        let push = (alpha * sound * mu - 2.0 * alpha * mu * mu) / (0.5 * (rho[i] + rho[j]));
-                        for k in 0..D {
-                            pull[(k, k)] += push;
+        let chunks = self.accelerations.par_chunks_mut(CHUNK).enumerate();
+        let pairs: u64 = chunks
+            .map(|(chunk, rows)| {
+                let mut pairs = 0;
+                for (row, out) in rows.iter_mut().enumerate() {
+                    let i = chunk * CHUNK + row;
+                    let mut sum: Vector<D> = Vector::zeros();
+                    for &j in near.of(i) {
+                        let j = j as usize;
+                        let away = domain.separation(&x[j], &x[i]);
+                        let r2 = away.norm_squared();
+                        let r = r2.sqrt();
+                        if r >= kernel.cutoff() {
+                            continue;
                         }
+                        pairs += 1;
+                        let mut pull = pulls[i].stress + pulls[j].stress;
+                        if parted {
+                            let nearness = (kernel.value(r) * usual).powi(4);
+                            pull += (pulls[i].artificial + pulls[j].artificial) * nearness;
+                        }
+                        let closing = (v[j] - v[i]).dot(&away);
+                        if alpha > 0.0 && closing < 0.0 {
+                            let mu = h * closing / (r2 + 0.01 * h * h);
+                            let push =
+                                (alpha * sound * mu - 2.0 * alpha * mu * mu) / (0.5 * (rho[i] + rho[j]));
+                            for k in 0..D {
+                                pull[(k, k)] += push;
+                            }
+                        }
+                        sum += pull * away * (masses[j] * kernel.f(r));
                     }
-                    sum += pull * away * (masses[j] * kernel.f(r));
+                    *out = sum;
                 }
-                *out = sum;
-            }
-        });
-        self.tally.bond_evaluations += self.near.count() as u64;
+                pairs
+            })
+            .sum();
+        self.tally.bond_evaluations += pairs;
         Ok(())
     }
 }
