@@ -76,7 +76,10 @@ fn the_cantilever_swings_with_its_period() {
 #[test]
 fn a_rod_of_one_dimension_swings_along_itself() {
     let text = with(&[
-        ("dimensions: 2, min: [-4 um, -10 um], max: [30 um, 14 um]", "dimensions: 1, min: [-4 um], max: [30 um]"),
+        (
+            "dimensions: 2, min: [-4 um, -10 um], max: [30 um, 14 um]",
+            "dimensions: 1, min: [-4 um], max: [30 um]",
+        ),
         ("{ min: [-2 um, 0], max: [20 um, 4 um] }", "{ min: [-2 um], max: [20 um] }"),
         ("{ min: [-2 um, 0], max: [0, 4 um] }", "{ min: [-2 um], max: [0] }"),
         ("[0, \"10 s^-1 * x\"]", "[\"0.1 mm/s * sin(78539.8 m^-1 * x)\"]"),
@@ -107,7 +110,8 @@ fn what_is_softened_swings_as_the_softer_material() {
         ("run:", "initial: { bar: { E: 2 uM } }\nrun:"),
     ]);
     let softer = with(&[("500 Pa", "250 Pa")]);
-    let of = |name: &str, text: &str| history(&bench.run(&bench.model("m.yaml", text), name, &[]), "tip", "dy");
+    let of =
+        |name: &str, text: &str| history(&bench.run(&bench.model("m.yaml", text), name, &[]), "tip", "dy");
     let (soft, softer, hard) = (of("a", &soft), of("b", &softer), of("c", BAR));
     let far = |one: &[(f64, f64)], other: &[(f64, f64)]| {
         one.iter().zip(other).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max)
@@ -123,7 +127,10 @@ fn a_modulus_driven_negative_is_told_with_its_place() {
     let text = with(&[
         ("    velocity:", "    softening: { by: E, factor: 0.99, at: 1 uM }\n    velocity:"),
         ("run:", "conditions: { make: { source: { in: bar, species: { E: 0.01 mol/m^3/s } } } }\nrun:"),
-        ("run: { until: 0.2 ms }", "chemistry: { step: 10 us }\ninitial: { bar: { E: 1 uM } }\nrun: { until: 2 ms }"),
+        (
+            "run: { until: 0.2 ms }",
+            "chemistry: { step: 10 us }\ninitial: { bar: { E: 1 uM } }\nrun: { until: 2 ms }",
+        ),
         ("every: 2 us, particles: { times: [0, 0.2 ms] }", "every: 0.1 ms, particles: { times: [0] }"),
     ]);
     let bench = Bench::new();
@@ -150,7 +157,10 @@ fn a_bar_that_is_pulled_carries_the_stress_of_plane_strain() {
         ),
         ("run: { until: 0.2 ms }", "initial: { bar: { E: 1 uM } }\nrun: { until: 0.6 ms }"),
         ("every: 2 us, particles: { times: [0, 0.2 ms] }", "every: 20 us, particles: { times: [0, 0.6 ms] }"),
-        ("tip: { solid: bar, at: [20 um, 2 um] }", "left: { solid: bar, at: [8 um, 2 um] }, right: { solid: bar, at: [12 um, 2 um] }"),
+        (
+            "tip: { solid: bar, at: [20 um, 2 um] }",
+            "left: { solid: bar, at: [8 um, 2 um] }, right: { solid: bar, at: [12 um, 2 um] }",
+        ),
     ]);
     let bench = Bench::new();
     let dir = bench.run(&bench.model("m.yaml", &text), "out", &[]);

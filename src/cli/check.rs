@@ -153,7 +153,11 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
         line(format!("  {group:<12} {species:<12} {} molecules", significant(amount, 7)));
     }
     line(format!("\nmethod: {}", record.steps.method));
-    for (what, step) in [("fluid", &record.steps.fluid), ("solid", &record.steps.solid), ("chemistry", &record.steps.chemistry)] {
+    for (what, step) in [
+        ("fluid", &record.steps.fluid),
+        ("solid", &record.steps.solid),
+        ("chemistry", &record.steps.chemistry),
+    ] {
         if let Some(step) = step {
             line(format!(
                 "  {what} step {}, {} steps, limited by {}",
@@ -270,7 +274,8 @@ fn run_time(plan: &Plan, record: &RunRecord, voxels: f64, neighbours: f64) -> St
     let fluid = flows
         * steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
     let solids: f64 = record.solids.iter().map(|solid| solid.particles as f64).sum();
-    let fluid = fluid + flows * steps.solid.as_ref().map_or(0.0, |s| s.count as f64 * solids / SOLID_STEPS_PER_SECOND);
+    let fluid = fluid
+        + flows * steps.solid.as_ref().map_or(0.0, |s| s.count as f64 * solids / SOLID_STEPS_PER_SECOND);
     let chemistry = steps.chemistry.as_ref().map_or(0.0, |s| {
         s.count as f64 * voxels * f64::from(plan.model.run.realizations) / VOXEL_STEPS_PER_SECOND
     });

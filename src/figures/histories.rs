@@ -31,7 +31,10 @@ fn history(samples: &Samples, name: &str, kind: &str) -> Option<Figure> {
             return None;
         }
         let title = quantity.replace('_', " ");
-        all.push((times, Curves { title, values, unit: unit(samples, name, &quantity), label: String::new() }));
+        all.push((
+            times,
+            Curves { title, values, unit: unit(samples, name, &quantity), label: String::new() },
+        ));
     }
     if all.is_empty() {
         return None;

@@ -38,7 +38,12 @@ pub fn amounts(samples: &Samples) -> Option<Figure> {
 }
 
 fn amount(samples: &Samples, c: usize) -> Curves {
-    Curves { title: title(samples, c), values: column(samples, c), unit: "molecules".into(), label: "amount".into() }
+    Curves {
+        title: title(samples, c),
+        values: column(samples, c),
+        unit: "molecules".into(),
+        label: "amount".into(),
+    }
 }
 
 /// What a reader asks for first: occupancy, or the amount over the domain that changes most (with its species).

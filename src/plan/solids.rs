@@ -160,11 +160,7 @@ fn check_unknown(domain: &ParticleDomain, solid: &SolidModel, faults: &mut Vec<F
 }
 
 /// What holds each particle.
-fn holds<const D: usize>(
-    solid: &SolidModel,
-    places: &[Vector<D>],
-    faults: &mut Vec<Fault>,
-) -> Vec<Hold<D>> {
+fn holds<const D: usize>(solid: &SolidModel, places: &[Vector<D>], faults: &mut Vec<Fault>) -> Vec<Hold<D>> {
     let entry = &solid.places.entry;
     let mut refuse = |place: Option<&crate::error::Place>, reason: String, remedy: &str| {
         faults.push(Fault::at(place.unwrap_or(entry), reason, remedy));

@@ -43,7 +43,8 @@ fn climb<const D: usize>(
         let mut better = false;
         // Along the axes and between them: beside an end it is deeper along both only.
         for code in 0..3_usize.pow(D as u32) {
-            let trial = x + Vector::<D>::from_fn(|k, _| (code / 3_usize.pow(k as u32) % 3) as f64 - 1.0) * step;
+            let trial =
+                x + Vector::<D>::from_fn(|k, _| (code / 3_usize.pow(k as u32) % 3) as f64 - 1.0) * step;
             let found = depth(&trial);
             if found > deep && (trial - start).norm() <= spacing {
                 (x, deep, better) = (trial, found, true);

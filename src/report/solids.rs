@@ -19,11 +19,20 @@ pub fn solids(record: &RunRecord) -> String {
         ("law", Box::new(|s| s.law.replace('_', " "))),
         ("method", Box::new(|s| s.method.replace('_', " "))),
         ("density", Box::new(|s| show(s.density, "kg/m^3"))),
-        ("Young's modulus E, Poisson's ratio ν", Box::new(move |s| format!("{}, {}", show(s.youngs_modulus, "Pa"), number(s.poisson_ratio)))),
-        ("bulk modulus K, shear modulus G", Box::new(|s| format!("{}, {}", show(s.bulk_modulus, "Pa"), show(s.shear_modulus, "Pa")))),
+        (
+            "Young's modulus E, Poisson's ratio ν",
+            Box::new(move |s| format!("{}, {}", show(s.youngs_modulus, "Pa"), number(s.poisson_ratio))),
+        ),
+        (
+            "bulk modulus K, shear modulus G",
+            Box::new(|s| format!("{}, {}", show(s.bulk_modulus, "Pa"), show(s.shear_modulus, "Pa"))),
+        ),
         ("sound speed √(K/ρ)", Box::new(|s| show(s.sound_speed, "m/s"))),
         ("longest step", Box::new(|s| format!("{}, limited by {}", show(s.step, "s"), s.limited_by))),
-        ("clamped, driven particles", Box::new(|s| format!("{}, {}", grouped(s.clamped as u64), grouped(s.driven as u64)))),
+        (
+            "clamped, driven particles",
+            Box::new(|s| format!("{}, {}", grouped(s.clamped as u64), grouped(s.driven as u64))),
+        ),
         ("softened by", Box::new(|s| if s.softening.is_empty() { "–".into() } else { s.softening.clone() })),
     ];
     let head: Vec<&str> = std::iter::once("").chain(record.solids.iter().map(|s| s.name.as_str())).collect();

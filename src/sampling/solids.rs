@@ -39,7 +39,8 @@ impl Row {
 }
 
 /// What a whole solid shows, and its units.
-const OF_SOLID: [(&str, &str); 3] = [("kinetic_energy", "J"), ("elastic_energy", "J"), ("largest_stretch", "1")];
+const OF_SOLID: [(&str, &str); 3] =
+    [("kinetic_energy", "J"), ("elastic_energy", "J"), ("largest_stretch", "1")];
 
 /// All that is seen of the solids of a scene now.
 #[must_use]
@@ -62,8 +63,8 @@ fn of_point<const D: usize>(point: &Point, elastic: &Elastic<D>) -> Vec<Row> {
     let away = |i: usize| (elastic.places()[i] - place).norm_squared();
     let Some(n) = (0..elastic.len()).min_by(|&a, &b| away(a).total_cmp(&away(b))) else { return Vec::new() };
     let beside = place - elastic.places()[n];
-    let moved = elastic.position(n) - elastic.places()[n]
-        + (elastic.gradient(n) - Matrix::<D>::identity()) * beside;
+    let moved =
+        elastic.position(n) - elastic.places()[n] + (elastic.gradient(n) - Matrix::<D>::identity()) * beside;
     let velocity = elastic.velocities()[n];
     let row = |quantity: String, value: f64| Row {
         name: point.name.clone(),
@@ -80,7 +81,8 @@ fn of_point<const D: usize>(point: &Point, elastic: &Elastic<D>) -> Vec<Row> {
 fn of_solid<const D: usize>(name: &str, elastic: &Elastic<D>, thickness: f64) -> Vec<Row> {
     let n = elastic.len();
     let mass: f64 = (0..n).map(|i| elastic.mass(i)).sum();
-    let centre = (0..n).fold(Vector::<D>::zeros(), |sum, i| sum + elastic.position(i) * elastic.mass(i)) / mass;
+    let centre =
+        (0..n).fold(Vector::<D>::zeros(), |sum, i| sum + elastic.position(i) * elastic.mass(i)) / mass;
     let stretch = (0..n).map(|i| elastic.stretch(i)).fold(0.0, f64::max);
     let values = [elastic.kinetic_energy() * thickness, elastic.elastic_energy() * thickness, stretch];
     OF_SOLID

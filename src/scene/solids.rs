@@ -191,7 +191,10 @@ impl<'p, const D: usize> Scene<'p, D> {
                 step: body.pace.steps,
                 time: body.elastic.time(),
                 particle: body.first + i,
-                quantity: format!("distance of solid `{}` beyond the box at {at}", self.plan.solids[body.number].name),
+                quantity: format!(
+                    "distance of solid `{}` beyond the box at {at}",
+                    self.plan.solids[body.number].name
+                ),
                 value: outside(&self.plan.domain, &body.elastic.position(i)),
                 remedy: "make the box larger, clamp the solid or move it less".into(),
             });
@@ -204,7 +207,12 @@ impl<'p, const D: usize> Scene<'p, D> {
     ///
     /// # Errors
     /// A shear modulus that is not positive any more.
-    pub fn soften(&mut self, amounts: &[f64], species: &[String], (tick, time): (u64, f64)) -> Result<(), RunError> {
+    pub fn soften(
+        &mut self,
+        amounts: &[f64],
+        species: &[String],
+        (tick, time): (u64, f64),
+    ) -> Result<(), RunError> {
         let (count, volumes) = (species.len(), &self.volumes);
         for body in &mut self.solids {
             let plan = &self.plan.solids[body.number];

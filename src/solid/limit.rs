@@ -61,7 +61,8 @@ impl<const D: usize> Elastic<D> {
         }
         // 2/ω (√(1 + ξ²) - ξ) with ξ = friction/(2ω), also where ω is zero.
         let stable = 4.0 / (friction + (friction * friction + 4.0 * fastest * fastest).sqrt());
-        let limited_by = if friction > fastest { "the viscosity of the solid" } else { "the fastest mode of the solid" };
+        let limited_by =
+            if friction > fastest { "the viscosity of the solid" } else { "the fastest mode of the solid" };
         Ok(StepLimit { seconds: self.options.courant * stable, limited_by: limited_by.into() })
     }
 
