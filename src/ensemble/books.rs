@@ -83,7 +83,8 @@ impl Books {
             species.zip(tally.supplied.iter().copied()).filter(|(_, n)| *n != 0.0).collect();
         // Solids move without a fluid too.
         let moved = tally.flow.as_ref();
-        let flow = moved.filter(|_| matches!(&plan.model.domain, Domain::Particles(domain) if domain.fluid.is_some()));
+        let flow = moved
+            .filter(|_| matches!(&plan.model.domain, Domain::Particles(domain) if domain.fluid.is_some()));
         let warnings = plan.warnings.iter().map(|warning| warning.line()).chain(tally.warnings());
         record.health = Health {
             molecules_created_or_lost: tally.lost,

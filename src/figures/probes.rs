@@ -23,7 +23,8 @@ pub fn probes(samples: &Samples) -> Vec<Figure> {
         // Lines through one-dimensional models are drawn with their species together.
         let drawn = samples.record.domain.dimensions == 1 && !is_ring(samples, &row.probe);
         // A surface, a point or a whole solid has no extent along which to draw.
-        let drawn = drawn || samples.record.probes.iter().any(|p| p.name == row.probe && POINTS.contains(&p.kind.as_str()));
+        let drawn = drawn
+            || samples.record.probes.iter().any(|p| p.name == row.probe && POINTS.contains(&p.kind.as_str()));
         if !names.contains(&row.probe.as_str()) && !drawn {
             names.push(&row.probe);
         }

@@ -39,12 +39,17 @@ pub fn fill<const D: usize>(
     match region.lattice {
         Lattice::Square => {
             let cells = |k: usize| ((max[k] - min[k]) / region.spacing).round() as i64;
-            let grid = Grid { min: *min, edge: Vector::from_fn(|_, _| region.spacing), cells: std::array::from_fn(cells) };
+            let grid = Grid {
+                min: *min,
+                edge: Vector::from_fn(|_, _| region.spacing),
+                cells: std::array::from_fn(cells),
+            };
             square(region, (min, max), &grid, random)
         }
         Lattice::Fitted => {
             let (low, high) = region.shape.bounds(&embed(min), &embed(max));
-            let cells: [i64; D] = std::array::from_fn(|k| ((high[k] - low[k]) / region.spacing).round().max(1.0) as i64);
+            let cells: [i64; D] =
+                std::array::from_fn(|k| ((high[k] - low[k]) / region.spacing).round().max(1.0) as i64);
             let edge = Vector::from_fn(|k, _| (high[k] - low[k]) / cells[k] as f64);
             let grid = Grid { min: Vector::from_fn(|k, _| low[k]), edge, cells };
             square(region, (min, max), &grid, random)

@@ -195,7 +195,11 @@ fn group(
         if let (MaterialName::Solid, Some(n)) =
             (material, fields.optional("lattice").or_else(|| fields.optional("jitter")))
         {
-            faults.at(&n.place, "how a solid is filled is said in `solids`", "remove it; see solids: placement");
+            faults.at(
+                &n.place,
+                "how a solid is filled is said in `solids`",
+                "remove it; see solids: placement",
+            );
         }
         if let Some(n) = fields.optional("spacing") {
             spacing = n.positive(Dimension::LENGTH, faults)?;

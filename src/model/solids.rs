@@ -204,9 +204,9 @@ fn solid(
     let spacing_node = fields.optional("spacing");
     let spacing = spacing_node.map(|n| n.positive(Dimension::LENGTH, faults));
     let support = fields.optional("support").map(|n| support(n, faults));
-    let placement = fields.optional("placement").map(|n| {
-        n.choice(&[("lattice", Placement::Lattice), ("layers", Placement::Layers)], faults)
-    });
+    let placement = fields
+        .optional("placement")
+        .map(|n| n.choice(&[("lattice", Placement::Lattice), ("layers", Placement::Layers)], faults));
     let mut rate = |key: &'static str, usual: f64, dimension, faults: &mut Faults| {
         fields.optional(key).map_or(Some(usual), |n| n.non_negative(dimension, faults))
     };
@@ -232,7 +232,11 @@ fn solid(
     if let (Some(Some(Placement::Layers)), Some(at)) = (&placement, place("placement"))
         && !living::is_wall(of, d)
     {
-        faults.at(&at, "layers fill a ring in 2 dimensions or a spherical shell in 3", "use placement: lattice");
+        faults.at(
+            &at,
+            "layers fill a ring in 2 dimensions or a spherical shell in 3",
+            "use placement: lattice",
+        );
     }
     fields.finish(faults);
     if !of.unread && of.shape == Shape::EverythingElse {

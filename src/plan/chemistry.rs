@@ -248,7 +248,8 @@ fn may_hold(model: &Model, reactor: &Reactor, g: usize, classes: &[u8], s: usize
         && domain.groups[g].material == Material::Zone
     {
         return domain.groups.iter().enumerate().any(|(other, group)| {
-            matches!(group.material, Material::Fluid | Material::Solid) && reactor.habitat[s].holds(other as u8)
+            matches!(group.material, Material::Fluid | Material::Solid)
+                && reactor.habitat[s].holds(other as u8)
         });
     }
     classes.iter().any(|&class| reactor.habitat[s].holds(class))

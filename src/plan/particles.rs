@@ -124,6 +124,11 @@ impl<const D: usize> ParticlePlan<D> {
                     bodies.push(wall_body(domain, g, group, free_slip));
                     bodies.len() - 1
                 }
+                // How it moves is known when it is built.
+                Material::Solid if domain.fluid.is_some() => {
+                    bodies.push(wall_body(domain, g, group, false));
+                    bodies.len() - 1
+                }
                 _ => 0,
             };
             // Points on a surface that two groups share go to the one that comes first.
@@ -147,7 +152,7 @@ impl<const D: usize> ParticlePlan<D> {
             }
             check_overlap(group, &found, &solid, faults);
             if let Some(k) = described.filter(|_| !found.is_empty()) {
-                let at = (&space, particles.len());
+                let at = (&space, particles.len(), body);
                 elastic[k] = Some(solids::solid(domain, &domain.solids[k], at, &found, faults));
             }
             for (position, volume) in found {

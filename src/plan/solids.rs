@@ -2,7 +2,7 @@
 
 use super::particles::narrow;
 use super::{Plan, thickness::thinnest};
-use crate::error::Fault;
+use crate::error::{Fault, RunError};
 use crate::fluid::Domain;
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Lattice, fill};
@@ -11,7 +11,7 @@ use crate::model::groups::Group;
 use crate::model::solids::{Form, Placement, Softening};
 use crate::model::{Mechanics, ParticleDomain, SolidModel};
 use crate::quantity::readable::length;
-use crate::solid::{Hold, Options, Setup};
+use crate::solid::{Elastic, Hold, Options, Setup};
 use crate::vector::Vector;
 use rand::Rng;
 use std::sync::Arc;
@@ -26,6 +26,8 @@ pub struct SolidPlan<const D: usize> {
     pub name: String,
     /// Number of its first particle; the others follow.
     pub first: usize,
+    /// Its number among the bodies of the flow, if there is one.
+    pub body: u8,
     pub setup: Setup<D>,
     /// At t = 0.
     pub velocity: Velocity,
@@ -34,6 +36,20 @@ pub struct SolidPlan<const D: usize> {
     pub spacing: f64,
     /// Where it is thinnest, m.
     pub thickness: f64,
+}
+
+impl<const D: usize> SolidPlan<D> {
+    /// The solid at t = 0.
+    ///
+    /// # Errors
+    /// A solid that cannot be built.
+    pub fn elastic(&self) -> Result<Elastic<D>, RunError> {
+        let mut elastic = Elastic::new(self.setup.clone())?;
+        if !self.velocity.is_zero() {
+            elastic.set_velocity(|x| narrow(&self.velocity.at(&embed(x))));
+        }
+        Ok(elastic)
+    }
 }
 
 /// Places and volumes of the particles of a solid.
@@ -59,7 +75,7 @@ pub(super) fn places<const D: usize>(
 pub(super) fn solid<const D: usize>(
     domain: &ParticleDomain,
     solid: &SolidModel,
-    (space, first): (&Domain<D>, usize),
+    (space, first, body): (&Domain<D>, usize, usize),
     found: &[(Vector<D>, f64)],
     faults: &mut Vec<Fault>,
 ) -> SolidPlan<D> {
@@ -72,6 +88,7 @@ pub(super) fn solid<const D: usize>(
         group: solid.group as u8,
         name: group.name.clone(),
         first,
+        body: body as u8,
         setup: Setup {
             domain: space.clone(),
             kernel: domain.kernel,
@@ -149,17 +166,10 @@ fn check_unknown(domain: &ParticleDomain, solid: &SolidModel, faults: &mut Vec<F
     if domain.mechanics != Mechanics::Dynamic {
         refuse(entry, "models know dynamic solids only", "remove `mechanics`");
     }
-    if domain.fluid.is_some() {
-        refuse(entry, "models know no elastic solids in a fluid", "set fluid: { method: none }");
-    }
 }
 
 /// What holds each particle.
-fn holds<const D: usize>(
-    solid: &SolidModel,
-    places: &[Vector<D>],
-    faults: &mut Vec<Fault>,
-) -> Vec<Hold<D>> {
+fn holds<const D: usize>(solid: &SolidModel, places: &[Vector<D>], faults: &mut Vec<Fault>) -> Vec<Hold<D>> {
     let entry = &solid.places.entry;
     let mut refuse = |place: Option<&crate::error::Place>, reason: String, remedy: &str| {
         faults.push(Fault::at(place.unwrap_or(entry), reason, remedy));

@@ -1,10 +1,9 @@
-//! The elastic solids of a scene that no fluid moves: their steps, what is seen of them, and what softens them.
+//! The elastic solids of a scene: the steps of those that no fluid moves, what is seen of them, and what softens them.
 
 use super::Scene;
 use crate::chemistry::AVOGADRO;
 use crate::error::RunError;
-use crate::fluid::Snapshot;
-use crate::geometry::shape::embed;
+use crate::fluid::{BodyKind, Coupled, Flow, Setup, Snapshot};
 use crate::plan::{ParticlePlan, SolidPlan};
 use crate::quantity::readable::{show, show_vector};
 use crate::solid::{Elastic, ElasticState};
@@ -61,13 +60,7 @@ impl<const D: usize> SolidBody<D> {
     /// # Errors
     /// A solid that cannot be built.
     pub fn new(plan: &SolidPlan<D>, number: usize) -> Result<SolidBody<D>, RunError> {
-        let mut elastic = Elastic::new(plan.setup.clone())?;
-        if !plan.velocity.is_zero() {
-            elastic.set_velocity(|x| {
-                let velocity = plan.velocity.at(&embed(x));
-                Vector::from_fn(|k, _| velocity[k])
-            });
-        }
+        let mut elastic = plan.elastic()?;
         let longest = elastic.step_limit()?;
         let pace = Pace { longest, left: RENEWED, largest_stretch: 1.0, steps: 0 };
         Ok(SolidBody { number, group: plan.group, first: plan.first, elastic, pace })
@@ -144,15 +137,43 @@ impl<'p, const D: usize> Scene<'p, D> {
         plan.solids.iter().enumerate().map(|(number, solid)| SolidBody::new(solid, number)).collect()
     }
 
-    /// The longest step of the solids that no fluid moves, s, if there are any.
+    /// Makes the bodies of a flow that are elastic what the plan says of them.
+    ///
+    /// # Errors
+    /// A solid that cannot be built.
+    pub(super) fn couple(plan: &ParticlePlan<D>, setup: &mut Setup<D>) -> Result<(), RunError> {
+        for solid in &plan.solids {
+            let Some(body) = setup.bodies.get_mut(usize::from(solid.body)) else { continue };
+            if let BodyKind::Solid { motion, .. } = &mut body.kind {
+                *motion = Coupled::motion(solid.elastic()?)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The longest step of the solids, s, if there are any.
     #[must_use]
     pub fn solid_step(&self) -> Option<f64> {
-        self.solids.iter().map(SolidBody::longest).reduce(f64::min)
+        let coupled = self.flow.iter().flat_map(Flow::elastic_bodies).map(|(_, coupled)| coupled.longest());
+        self.solids.iter().map(SolidBody::longest).chain(coupled).reduce(f64::min)
+    }
+
+    /// Force of the fluid on elastic solid `number` of the plan (of the depth that a model of fewer than three dimensions
+    /// stands for), N, if a fluid moves it.
+    #[must_use]
+    pub fn force_on_solid(&self, number: usize) -> Option<Vector<D>> {
+        let body = self.plan.solids[number].body;
+        let mine = self.flow.as_ref()?.reactions().filter(|one| one.body == body);
+        Some(mine.fold(Vector::zeros(), |sum, one| sum + one.force) * self.plan.thickness)
     }
 
     /// Elastic solid `number` of the plan as it is now.
     #[must_use]
     pub fn elastic(&self, number: usize) -> Option<&Elastic<D>> {
+        if let Some(flow) = &self.flow {
+            let body = self.plan.solids[number].body;
+            return flow.elastic_bodies().find(|(mine, _)| *mine == body).map(|(_, coupled)| coupled.solid());
+        }
         self.solids.iter().find(|body| body.number == number).map(|body| &body.elastic)
     }
 
@@ -195,7 +216,10 @@ impl<'p, const D: usize> Scene<'p, D> {
                 step: body.pace.steps,
                 time: body.elastic.time(),
                 particle: body.first + i,
-                quantity: format!("distance of solid `{}` beyond the box at {at}", self.plan.solids[body.number].name),
+                quantity: format!(
+                    "distance of solid `{}` beyond the box at {at}",
+                    self.plan.solids[body.number].name
+                ),
                 value: outside(&self.plan.domain, &body.elastic.position(i)),
                 remedy: "make the box larger, clamp the solid or move it less".into(),
             });
@@ -208,13 +232,24 @@ impl<'p, const D: usize> Scene<'p, D> {
     ///
     /// # Errors
     /// A shear modulus that is not positive any more.
-    pub fn soften(&mut self, amounts: &[f64], species: &[String], (tick, time): (u64, f64)) -> Result<(), RunError> {
+    pub fn soften(
+        &mut self,
+        amounts: &[f64],
+        species: &[String],
+        (tick, time): (u64, f64),
+    ) -> Result<(), RunError> {
         let (count, volumes) = (species.len(), &self.volumes);
-        for body in &mut self.solids {
-            let plan = &self.plan.solids[body.number];
+        for (number, plan) in self.plan.solids.iter().enumerate() {
             let Some(softening) = plan.softening else { continue };
-            for (i, softness) in body.elastic.softness_mut().iter_mut().enumerate() {
-                let voxel = body.first + i;
+            let elastic = match &mut self.flow {
+                Some(flow) => flow.elastic_body_mut(plan.body).map(Coupled::solid_mut),
+                None => {
+                    self.solids.iter_mut().find(|body| body.number == number).map(|body| &mut body.elastic)
+                }
+            };
+            let Some(elastic) = elastic else { continue };
+            for (i, softness) in elastic.softness_mut().iter_mut().enumerate() {
+                let voxel = plan.first + i;
                 let concentration = amounts[voxel * count + softening.species] / (AVOGADRO * volumes[voxel]);
                 *softness = 1.0 - softening.factor * concentration / softening.at;
                 if *softness > 0.0 {
@@ -237,7 +272,7 @@ impl<'p, const D: usize> Scene<'p, D> {
                     ),
                 });
             }
-            body.elastic.renew()?;
+            elastic.renew()?;
         }
         Ok(())
     }
@@ -245,15 +280,18 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// What the solids have come to so far, if there are any.
     #[must_use]
     pub fn solid_health(&self) -> Option<SolidHealth> {
-        let all = self.solids.iter().map(|body| {
-            let tally = body.elastic.tally();
+        let of = |elastic: &Elastic<D>, largest_stretch: f64| {
+            let tally = elastic.tally();
             SolidHealth {
-                largest_stretch: body.pace.largest_stretch,
+                largest_stretch,
                 particle_steps: tally.particle_steps,
                 bond_evaluations: tally.bond_evaluations,
-                steps: body.pace.steps,
+                steps: tally.particle_steps / elastic.len().max(1) as u64,
             }
-        });
+        };
+        let alone = self.solids.iter().map(|body| of(&body.elastic, body.pace.largest_stretch));
+        let coupled = self.flow.iter().flat_map(Flow::elastic_bodies);
+        let all = alone.chain(coupled.map(|(_, coupled)| of(coupled.solid(), coupled.largest_stretch())));
         all.reduce(|a, b| SolidHealth {
             largest_stretch: a.largest_stretch.max(b.largest_stretch),
             particle_steps: a.particle_steps + b.particle_steps,

@@ -89,11 +89,16 @@ pub fn list_particles(dir: &Path) -> Vec<(u32, u32, PathBuf)> {
 /// [`RunError::File`] if the file or a column is missing.
 pub fn read_particles(path: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), RunError> {
     let table = Table::read(path)?;
-    let species: Vec<String> =
-        table.names().into_iter().filter(|n| !is_taken(n)).collect();
+    let species: Vec<String> = table.names().into_iter().filter(|n| !is_taken(n)).collect();
     let has = |name: &&str| table.names().iter().any(|known| known == name);
-    let solid = SOLID_COLUMNS.iter().filter(|name| has(name)).map(|name| table.reals(name)).collect::<Result<Vec<_>, _>>()?;
-    let of_solid = |k: usize, range: std::ops::Range<usize>| solid.get(k).map_or(Vec::new(), |values| values[range].to_vec());
+    let solid = SOLID_COLUMNS
+        .iter()
+        .filter(|name| has(name))
+        .map(|name| table.reals(name))
+        .collect::<Result<Vec<_>, _>>()?;
+    let of_solid = |k: usize, range: std::ops::Range<usize>| {
+        solid.get(k).map_or(Vec::new(), |values| values[range].to_vec())
+    };
     let time = table.reals("time")?;
     let (groups, group) = frame::index_of_names(&table.text("group")?);
     let n = PARTICLE_COLUMNS[3..].iter().map(|name| table.reals(name)).collect::<Result<Vec<_>, _>>()?;

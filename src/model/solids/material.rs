@@ -18,14 +18,13 @@ pub fn law_name(law: Law) -> &'static str {
 pub(super) fn read(fields: &mut Fields, faults: &mut Faults) -> Option<Material> {
     let density = fields.required("density", faults).and_then(|n| n.positive(Dimension::DENSITY, faults));
     let law = fields.optional("law").map_or(Some(Law::default()), |n| n.choice(&LAWS, faults));
-    let nodes = ["youngs_modulus", "poisson_ratio", "bulk_modulus", "shear_modulus"]
-        .map(|key| fields.optional(key));
+    let nodes =
+        ["youngs_modulus", "poisson_ratio", "bulk_modulus", "shear_modulus"].map(|key| fields.optional(key));
     let [young, poisson, bulk, shear] = nodes;
     let written = |node: Option<&crate::model::node::Node>| node.is_some();
     let (by_young, by_bulk) = (written(young) || written(poisson), written(bulk) || written(shear));
-    let mut modulus = |node: Option<&crate::model::node::Node>| {
-        node.and_then(|n| n.positive(Dimension::PRESSURE, faults))
-    };
+    let mut modulus =
+        |node: Option<&crate::model::node::Node>| node.and_then(|n| n.positive(Dimension::PRESSURE, faults));
     let (young, bulk, shear) = (modulus(young), modulus(bulk), modulus(shear));
     let poisson = poisson.and_then(|n| {
         let value = n.number(faults)?;
