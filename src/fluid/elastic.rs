@@ -18,7 +18,7 @@
 
 use crate::error::RunError;
 use crate::fluid::motion::Motion;
-use crate::solid::{Elastic, ElasticState};
+use crate::solid::{Elastic, ElasticState, StepLimit};
 use crate::space::matrix::{Matrix, inverse};
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
@@ -27,8 +27,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone)]
 pub struct Coupled<const D: usize> {
     solid: Elastic<D>,
-    /// The longest step of the solid, s.
-    longest: f64,
+    /// The longest step of the solid.
+    limit: StepLimit,
     /// Acceleration that the pressure at the surface is told, m/s²: the mean over the time sound takes across it.
     pull: Vec<Vector<D>>,
     /// m/s, when the acceleration was last told.
@@ -64,9 +64,9 @@ impl<const D: usize> Coupled<D> {
     /// As [`Elastic::step`].
     pub fn motion(mut solid: Elastic<D>) -> Result<Motion<D>, RunError> {
         let n = solid.len();
-        let longest = solid.step_limit()?;
+        let limit = solid.limit()?;
         let coupled = Coupled {
-            longest,
+            limit,
             pull: vec![Vector::zeros(); n],
             before: solid.velocities().to_vec(),
             back: (0..n).map(|i| inverse(&solid.gradient(i))).collect(),
@@ -89,10 +89,10 @@ impl<const D: usize> Coupled<D> {
         &mut self.solid
     }
 
-    /// Longest step of the solid, s.
+    /// Longest step of the solid, and what limits it.
     #[must_use]
-    pub fn longest(&self) -> f64 {
-        self.longest
+    pub fn limit(&self) -> &StepLimit {
+        &self.limit
     }
 
     /// The largest stretch of a particle so far.
@@ -172,11 +172,11 @@ impl<const D: usize> Coupled<D> {
     pub(super) fn drift(&mut self, dt: f64) -> Result<(), RunError> {
         if !self.held {
             let before = self.solid.tally().particle_steps;
-            self.solid.glide(dt, self.longest)?;
+            self.solid.glide(dt, self.limit.seconds)?;
             let steps = (self.solid.tally().particle_steps - before) / self.solid.len().max(1) as u64;
             self.left = self.left.saturating_sub(steps);
             if self.left == 0 {
-                (self.longest, self.left) = (self.solid.step_limit()?, RENEWED);
+                (self.limit, self.left) = (self.solid.limit()?, RENEWED);
             }
             for (i, back) in self.back.iter_mut().enumerate() {
                 *back = inverse(&self.solid.gradient(i));
@@ -205,7 +205,7 @@ impl<const D: usize> Coupled<D> {
             solid: self.solid.image(),
             pull: (&self.pull[..]).into(),
             before: (&self.before[..]).into(),
-            longest: self.longest,
+            longest: self.limit.seconds,
             left: self.left,
             stretch: self.stretch,
             held: self.held,
@@ -219,7 +219,7 @@ impl<const D: usize> Coupled<D> {
         }
         self.solid.restore(kept.solid)?;
         (self.pull, self.before) = (kept.pull.into_owned(), kept.before.into_owned());
-        (self.longest, self.left) = (kept.longest, kept.left);
+        (self.limit.seconds, self.left) = (kept.longest, kept.left);
         (self.stretch, self.held) = (kept.stretch, kept.held);
         for (i, back) in self.back.iter_mut().enumerate() {
             *back = inverse(&self.solid.gradient(i));
@@ -230,7 +230,7 @@ impl<const D: usize> Coupled<D> {
 
 impl<const D: usize> std::fmt::Debug for Coupled<D> {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "Coupled {{ particles: {}, longest: {} }}", self.solid.len(), self.longest)
+        write!(f, "Coupled {{ particles: {}, longest: {} }}", self.solid.len(), self.limit.seconds)
     }
 }
 

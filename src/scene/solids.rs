@@ -6,7 +6,7 @@ use crate::error::RunError;
 use crate::fluid::{BodyKind, Coupled, Flow, Setup, Snapshot};
 use crate::plan::{ParticlePlan, SolidPlan};
 use crate::quantity::readable::{show, show_vector};
-use crate::solid::{Elastic, ElasticState};
+use crate::solid::{Elastic, ElasticState, StepLimit};
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,8 @@ pub struct SolidBody<const D: usize> {
     /// Number of its first particle; the others follow.
     pub first: usize,
     pub elastic: Elastic<D>,
+    /// Of the start.
+    limit: StepLimit,
     pace: Pace,
 }
 
@@ -61,15 +63,9 @@ impl<const D: usize> SolidBody<D> {
     /// A solid that cannot be built.
     pub fn new(plan: &SolidPlan<D>, number: usize) -> Result<SolidBody<D>, RunError> {
         let mut elastic = plan.elastic()?;
-        let longest = elastic.step_limit()?;
-        let pace = Pace { longest, left: RENEWED, largest_stretch: 1.0, steps: 0 };
-        Ok(SolidBody { number, group: plan.group, first: plan.first, elastic, pace })
-    }
-
-    /// The longest step now, s.
-    #[must_use]
-    pub fn longest(&self) -> f64 {
-        self.pace.longest
+        let limit = elastic.limit()?;
+        let pace = Pace { longest: limit.seconds, left: RENEWED, largest_stretch: 1.0, steps: 0 };
+        Ok(SolidBody { number, group: plan.group, first: plan.first, elastic, limit, pace })
     }
 
     /// What must be kept to go on later.
@@ -151,11 +147,14 @@ impl<'p, const D: usize> Scene<'p, D> {
         Ok(())
     }
 
-    /// The longest step of the solids, s, if there are any.
+    /// The longest steps of the solids, in the order of the plan.
     #[must_use]
-    pub fn solid_step(&self) -> Option<f64> {
-        let coupled = self.flow.iter().flat_map(Flow::elastic_bodies).map(|(_, coupled)| coupled.longest());
-        self.solids.iter().map(SolidBody::longest).chain(coupled).reduce(f64::min)
+    pub fn solid_steps(&self) -> Vec<StepLimit> {
+        let Some(flow) = &self.flow else {
+            return self.solids.iter().map(|body| body.limit.clone()).collect();
+        };
+        let of = |plan: &SolidPlan<D>| flow.elastic_bodies().find(|(body, _)| *body == plan.body);
+        self.plan.solids.iter().filter_map(of).map(|(_, coupled)| coupled.limit().clone()).collect()
     }
 
     /// Force of the fluid on elastic solid `number` of the plan (of the depth that a model of fewer than three dimensions

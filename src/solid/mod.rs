@@ -19,5 +19,6 @@ pub mod state;
 mod step;
 
 pub use elastic::{Elastic, Hold, Options, Setup};
+pub use limit::StepLimit;
 pub use material::{Law, Material};
 pub use state::ElasticState;
