@@ -93,14 +93,7 @@ impl<const D: usize> Flow<D> {
                 rigid.weigh(&own, &self.domain);
                 self.asks[number] = true;
             }
-            if let BodyKind::Solid { motion: Motion::Elastic(coupled), surface, .. } =
-                &mut self.bodies[number].kind
-            {
-                if let Some(surface) = surface {
-                    coupled.find_faces(surface, &self.domain);
-                }
-                self.asks[number] = true;
-            }
+            self.asks[number] |= self.bodies[number].is_elastic();
         }
     }
 

@@ -176,11 +176,7 @@ impl<const D: usize> Obstacles<'_, D> {
 }
 
 /// Gradient of a distance at a place, by difference quotients of `step` (m).
-pub(super) fn gradient<const D: usize>(
-    distance: impl Fn(&Vector<D>) -> f64,
-    place: &Vector<D>,
-    step: f64,
-) -> Vector<D> {
+fn gradient<const D: usize>(distance: impl Fn(&Vector<D>) -> f64, place: &Vector<D>, step: f64) -> Vector<D> {
     Vector::from_fn(|k, _| {
         let (mut up, mut down) = (*place, *place);
         up[k] += step;
@@ -190,7 +186,7 @@ pub(super) fn gradient<const D: usize>(
 }
 
 /// A vector of length one along another, or none along none.
-pub(super) fn direction<const D: usize>(x: &Vector<D>) -> Vector<D> {
+fn direction<const D: usize>(x: &Vector<D>) -> Vector<D> {
     let length = x.norm();
     if length > 0.0 { x / length } else { Vector::zeros() }
 }

@@ -268,7 +268,8 @@ fn deep_corners<const D: usize>(
     let mut deepest: Option<Spot<D>> = None;
     let mut count = 0;
     for (i, x) in places.iter().enumerate() {
-        if plan.is_wall(plan.home[i]) {
+        let body = &setup.bodies[usize::from(setup.particles[i].body)];
+        if matches!(body.kind, BodyKind::Solid { .. }) {
             continue;
         }
         let (mut solid, mut all) = (0.0, 0.0);
