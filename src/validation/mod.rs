@@ -11,6 +11,7 @@ mod cylinder;
 mod duct;
 mod findings;
 mod flow;
+mod fsi_rod;
 mod moving_walls;
 mod natural_convection;
 mod nodes;
@@ -150,6 +151,11 @@ pub const CASES: &[Case] = &[
         name: "spinning_cylinder",
         what: "spin-up of the fluid inside a cylinder that starts to turn",
         run: cylinder::spin_up,
+    },
+    Case {
+        name: "fsi_rod",
+        what: "a soft rod bends in the stream of a micro-channel, against finite elements (--full: coarser and finer)",
+        run: fsi_rod::rod,
     },
     Case {
         name: "thermostat",
