@@ -305,8 +305,8 @@ fn a_flap_bends_as_a_beam_under_the_loads_of_the_fluid() {
             flow.health()
         );
         assert!(tip > 0.01);
-        // Six particles across: I is less by 1/6², and shear bends a beam of this length by as much as it is short.
-        assert!((tip / foreseen - 1.0).abs() < 0.15, "{tip} {foreseen}");
+        // Six particles across: I is less by 1/6²; shear bends a beam as short as this by a few per cent more.
+        assert!((tip / foreseen - 1.0).abs() < 0.05, "{tip} {foreseen}");
         assert_eq!(flow.health().penetrations, 0);
     }
 }
