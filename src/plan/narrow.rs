@@ -93,7 +93,7 @@ fn solids<'a, const D: usize>(
 /// Places of the particles that flow.
 fn flowing<const D: usize>(plan: &ParticlePlan<D>) -> Vec<Vector<D>> {
     let all = plan.particles.iter().zip(&plan.home);
-    all.filter(|pair| !plan.is_wall(*pair.1)).map(|pair| pair.0.position).collect()
+    all.filter(|pair| plan.flows(*pair.1)).map(|pair| pair.0.position).collect()
 }
 
 /// The direction out of a solid, by difference quotients.

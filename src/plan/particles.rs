@@ -233,6 +233,12 @@ impl<const D: usize> ParticlePlan<D> {
         self.walls[usize::from(home)]
     }
 
+    /// Whether the particles of a home group are fluid that flows.
+    #[must_use]
+    pub fn flows(&self, home: u8) -> bool {
+        self.flow.is_some() && !self.is_wall(home) && !self.solids.iter().any(|solid| solid.group == home)
+    }
+
     /// A particle is in one zone at a time.
     fn check_zones(&self, domain: &ParticleDomain, faults: &mut Vec<Fault>) {
         for (k, (a, shape)) in self.zones.iter().enumerate() {
