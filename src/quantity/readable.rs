@@ -51,6 +51,16 @@ impl Scale {
                 };
                 return Scale::plain(shown);
             }
+            "1/m" => {
+                // 1/mm where a millimetre is to be told: never a prefix before the one.
+                let size = largest.abs();
+                let known = size.is_finite() && size > 0.0;
+                let step = if known { -(((size * 1.000_001).log10() / 3.0).floor() as i32 * 3) } else { 0 };
+                let step = step.clamp(-18, 9);
+                let prefix = PREFIXES.iter().find(|(_, p)| *p == step).map_or("", |(name, _)| name);
+                return Scale { factor: 10f64.powi(step), unit: format!("1/{prefix}m") };
+            }
+            "kg" => ("g", 1e3, 1, ""),
             "mol/m^3" | "mol/m³" => ("M", 1e-3, 1, ""),
             "m/s" => ("m", 1.0, 1, "/s"),
             "m^2/s" | "m²/s" => ("m", 1.0, 2, "²/s"),

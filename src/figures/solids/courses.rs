@@ -1,12 +1,12 @@
 //! What is measured of solids and of points that are followed, against time; across realizations at the end.
 
 use crate::figures::colours::{BLACK, PALETTE};
-use crate::figures::panel::{Axis, Panel, grid};
+use crate::figures::panel::{Axis, Panel, grid, range};
 use crate::figures::probes::{BAND, quantities, unit};
 use crate::figures::time::{Curves, draw_curves};
 use crate::figures::{Figure, Samples, WIDTH, slug};
 use crate::quantity::readable::significant;
-use crate::statistics::{Summary, histogram, mean, quantile};
+use crate::statistics::{Summary, mean, quantile};
 
 /// What comes first, in this order; other quantities follow as they stand in the tables.
 const FIRST: [&str; 9] = [
@@ -148,6 +148,19 @@ fn figure(shown: Vec<(String, &Course)>, name: &str, title: String) -> Option<Fi
     Some(Figure { name: name.into(), title, caption, drawing: d, raster: false })
 }
 
+/// About as many bins of equal width as the square root of the number of values: low, high, count.
+fn bins(values: &[f64]) -> Vec<(f64, f64, u32)> {
+    let (low, high) = range(values.iter().copied());
+    let count = (values.len() as f64).sqrt().round().clamp(5.0, 30.0);
+    let width = (high - low) / count;
+    let mut counts = vec![0; count as usize];
+    for value in values {
+        counts[(((value - low) / width) as usize).min(counts.len() - 1)] += 1;
+    }
+    let edge = |k: usize| low + k as f64 * width;
+    counts.into_iter().enumerate().map(|(k, n)| (edge(k), edge(k + 1), n)).collect()
+}
+
 /// Length and direction at the end across realizations.
 pub fn distributions(samples: &Samples, name: &str) -> Option<Figure> {
     let all: Vec<(Course, Vec<f64>)> = courses(samples, name)
@@ -166,7 +179,7 @@ pub fn distributions(samples: &Samples, name: &str) -> Option<Figure> {
     };
     let (mut d, frames) = grid(all.len(), columns, WIDTH.min(85.0 * columns as f64), 38.0);
     for ((course, end), [left, top, width, height]) in all.iter().zip(frames) {
-        let bins = histogram(end);
+        let bins = bins(end);
         let edges = bins.iter().flat_map(|b| [b.0, b.1]);
         let x = Axis::covering(edges, &course.unit, &super::words(&course.quantity));
         let most = bins.iter().map(|b| b.2).max().unwrap_or(1);

@@ -121,7 +121,8 @@ fn figure(
         discs(samples, &mut d, &panel, field, (bar, window.middle));
         panel.axes(&mut d, &clock(samples).show(field.frame.time));
     }
-    colour_bar(&mut d, sheet - BAR + 2.0, above, (d.height - above - below).min(60.0), bar);
+    let length = (d.height - above - below).min(60.0);
+    colour_bar(&mut d, sheet - BAR + 2.0, above, length, bar);
     let mut caption =
         "Particles of one realization where they are, to scale; pale: what is not the solid.".to_string();
     if fields.iter().flat_map(|f| &f.values).any(|v| *v > bar.high) {
@@ -169,7 +170,7 @@ fn discs(
                 false => (bar.colour)((field.values[i] - bar.low) / (bar.high - bar.low)),
             };
             // A little wider than half: neighbours of a lattice leave no white.
-            d.circle(panel.at(x, y), (0.58 * size * millimetre).max(0.12), colour);
+            d.circle(panel.at(x, y), (0.62 * size * millimetre).max(0.12), colour);
         }
     }
 }
