@@ -7,6 +7,9 @@
 //! | [`elastic`], `force`, `step` | a solid in motion; its internal forces; one step |
 //! | [`limit`] | its fastest mode and the longest stable step |
 //! | [`measure`] | momentum, energy, stress |
+//! | [`relax`] | equilibrium without motion |
+//! | [`shell`], [`surface`] | closed walls column by column; their surfaces and the volume inside |
+//! | [`turgor`] | the pressure of what a wall encloses |
 
 pub mod bonds;
 pub mod elastic;
@@ -14,7 +17,14 @@ mod force;
 pub mod limit;
 pub mod material;
 pub mod measure;
+pub mod relax;
+pub mod shell;
 mod step;
+pub mod surface;
+pub mod turgor;
 
 pub use elastic::{Elastic, Hold, Options, Setup};
 pub use material::{Law, Material};
+pub use relax::{Relaxation, Relaxed};
+pub use shell::Wall;
+pub use turgor::Turgor;
