@@ -92,13 +92,13 @@ impl<const D: usize> Elastic<D> {
         for round in 0..=relaxation.rounds {
             load(self);
             let (mut net, mut loads, mut work, mut moving) = (0.0, 0.0, 0.0, 0.0);
-            for i in 0..n {
+            for (i, before) in before.iter_mut().enumerate() {
                 let force = self.net(i);
                 net += force.norm_squared();
                 loads += self.loads[i].norm_squared();
-                work += self.velocities[i].dot(&(before[i] - force));
+                work += self.velocities[i].dot(&(*before - force));
                 moving += self.velocities[i].norm_squared() * self.mass(i);
-                before[i] = force;
+                *before = force;
             }
             let residual = net.sqrt() / loads.sqrt().max(least);
             if residual.is_nan() || residual > RUNAWAY * lowest {
@@ -121,9 +121,9 @@ impl<const D: usize> Elastic<D> {
             }
             let damp = (omega * dt).min(1.0);
             let density = self.material.density;
-            for i in 0..n {
+            for (i, force) in before.iter().enumerate() {
                 if matches!(self.holds[i], Hold::Free) {
-                    let pull = before[i] * (dt / (density * self.volumes[i]));
+                    let pull = force * (dt / (density * self.volumes[i]));
                     let velocity = (self.velocities[i] * (1.0 - damp) + pull) / (1.0 + damp);
                     self.velocities[i] = velocity;
                     self.displacements[i] += velocity * dt;
@@ -145,7 +145,8 @@ impl<const D: usize> Elastic<D> {
     }
 
     fn unbalanced(&self, what: &str, value: f64) -> RunError {
-        let widest = (0..self.len()).max_by(|&a, &b| self.stretch(a).total_cmp(&self.stretch(b))).unwrap_or(0);
+        let widest =
+            (0..self.len()).max_by(|&a, &b| self.stretch(a).total_cmp(&self.stretch(b))).unwrap_or(0);
         let at: Vec<String> = self.position(widest).iter().map(|x| format!("{x:.4e}")).collect();
         RunError::BlowUp {
             step: self.steps,

@@ -69,10 +69,7 @@ fn sphere<const D: usize>(radius: f64) -> (Vec<Vector<D>>, Vec<[u32; D]>) {
     let frequency = (((4.0 * PI * radius * radius - 2.0) / 10.0).max(4.0).sqrt().round() as u32).max(2);
     let (nodes, faces) = geodesic(frequency);
     let to = |node: &Vector<3>| Vector::from_fn(|k, _| node[k]);
-    (
-        nodes.iter().map(to).collect(),
-        faces.iter().map(|face| std::array::from_fn(|k| face[k])).collect(),
-    )
+    (nodes.iter().map(to).collect(), faces.iter().map(|face| std::array::from_fn(|k| face[k])).collect())
 }
 
 /// The geodesic sphere of a frequency f: 10 f² + 2 nodes, 20 f² triangles.
@@ -103,7 +100,8 @@ fn geodesic(frequency: u32) -> (Vec<Vector<3>>, Vec<[u32; 3]>) {
                     key.sort_unstable();
                     *known.entry(key).or_insert_with_key(|key| {
                         // In the order of the corners' numbers, so that a node of two faces is the same from both.
-                        let sum: Vector<3> = key.iter().map(|&(at, weight)| corners[at] * f64::from(weight)).sum();
+                        let sum: Vector<3> =
+                            key.iter().map(|&(at, weight)| corners[at] * f64::from(weight)).sum();
                         nodes.push(sum.normalize());
                         nodes.len() as u32 - 1
                     })
@@ -132,7 +130,8 @@ fn solid_angles<const D: usize>(nodes: &[Vector<D>], faces: &[[u32; D]]) -> Vec<
         } else {
             // Van Oosterom & Strackee 1983.
             let (a, b, c) = (at[0], at[1], at[2]);
-            let volume = crate::space::matrix::determinant::<D>(&nalgebra::SMatrix::from_columns(&at.map(|v| *v)));
+            let volume =
+                crate::space::matrix::determinant::<D>(&nalgebra::SMatrix::from_columns(&at.map(|v| *v)));
             2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
         };
         for &node in face {

@@ -41,6 +41,26 @@ impl<const D: usize> Wall<D> {
         (0..self.columns).map(|c| at(c, last) * BEYOND[0] + at(c, before) * BEYOND[1]).collect()
     }
 
+    /// The area vector of the body's surface each particle carries, m^(D-1), outward: that of the nodes it takes part in.
+    /// Scaled so that its moment is the sum of the volumes (m^D), from which meshes with flat faces differ a little.
+    #[must_use]
+    pub fn skin(&self, places: &[Vector<D>], volumes: &[f64]) -> Vec<Vector<D>> {
+        let (inner, outer) = (self.inner(|i| places[i]), self.outer(|i| places[i]));
+        let between = volume(&outer, &self.faces) - volume(&inner, &self.faces);
+        let scale = volumes.iter().sum::<f64>() / between;
+        let mut skin = vec![Vector::zeros(); places.len()];
+        for (layers, nodes, sign) in
+            [([0, 1], inner, -scale), ([self.layers - 1, self.layers - 2], outer, scale)]
+        {
+            for (column, slope) in slopes(&nodes, &self.faces).iter().enumerate() {
+                for (layer, part) in layers.into_iter().zip(BEYOND) {
+                    skin[self.particle(column, layer)] += slope * (sign * part);
+                }
+            }
+        }
+        skin
+    }
+
     /// The edges of the mesh, each once, smaller column first, in order.
     #[must_use]
     pub fn edges(&self) -> Vec<[u32; 2]> {

@@ -91,7 +91,10 @@ mod tests {
             }
         }
         // Rounding of the sums.
-        assert!(force.norm() < 1e-12 * size && torque.abs() < 1e-12 * size * 1e-5, "{D}: {force} {torque} of {size}");
+        assert!(
+            force.norm() < 1e-12 * size && torque.abs() < 1e-12 * size * 1e-5,
+            "{D}: {force} {torque} of {size}"
+        );
     }
 
     #[test]
