@@ -2,8 +2,10 @@
 //!
 //! `report` reads this file and the tables, nothing else, so that figures can be drawn again at any time.
 
+mod solids;
 mod sweep;
 
+pub use solids::SolidRecord;
 pub use sweep::{PointRecord, SWEEP_COLUMNS, SweepRecord, SweptRecord};
 
 use serde::{Deserialize, Serialize};
@@ -25,6 +27,9 @@ pub const PARTICLE_COLUMNS: [&str; 13] = [
     "volume_fraction",
     "volume",
 ];
+
+/// Columns that follow where there are elastic solids.
+pub const SOLID_COLUMNS: [&str; 2] = ["stress", "stretch"];
 
 /// The whole of `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,6 +67,9 @@ pub struct RunRecord {
     /// What flows, if anything does.
     #[serde(default)]
     pub fluid: Option<FluidRecord>,
+    /// Elastic solids.
+    #[serde(default)]
+    pub solids: Vec<SolidRecord>,
     pub steps: StepsRecord,
     /// If the run went on until a number was known well enough.
     #[serde(default)]
@@ -156,6 +164,9 @@ pub struct HistogramRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepsRecord {
     pub fluid: Option<StepRecord>,
+    /// Of elastic solids; as at the start.
+    #[serde(default)]
+    pub solid: Option<StepRecord>,
     pub chemistry: Option<StepRecord>,
     /// Name of the sampling method, e.g. `exact split sampling (Strang)`.
     pub method: String,
@@ -317,6 +328,9 @@ pub struct Health {
     /// With thermal noise.
     #[serde(default)]
     pub temperature: Option<TemperatureRecord>,
+    /// Largest stretch of an elastic solid.
+    #[serde(default)]
+    pub largest_stretch: Option<f64>,
     pub warnings: Vec<String>,
 }
 
@@ -336,6 +350,11 @@ pub struct ConservationRecord {
 pub struct Performance {
     pub particle_steps: u64,
     pub pair_evaluations: u64,
+    /// Elastic particles times their own steps, and bonds seen from both sides.
+    #[serde(default)]
+    pub solid_particle_steps: u64,
+    #[serde(default)]
+    pub bond_evaluations: u64,
     pub fluid_seconds: f64,
     pub reaction_events: u64,
     pub hops: u64,
@@ -358,6 +377,8 @@ impl RunRecord {
         let (own, other) = (&mut self.performance, &next.performance);
         own.particle_steps += other.particle_steps;
         own.pair_evaluations += other.pair_evaluations;
+        own.solid_particle_steps += other.solid_particle_steps;
+        own.bond_evaluations += other.bond_evaluations;
         own.fluid_seconds += other.fluid_seconds;
         own.reaction_events += other.reaction_events;
         own.hops += other.hops;
@@ -397,6 +418,7 @@ impl Health {
         larger(&mut self.momentum_drift, next.momentum_drift);
         larger(&mut self.largest_mach, next.largest_mach);
         larger(&mut self.largest_density_change, next.largest_density_change);
+        larger(&mut self.largest_stretch, next.largest_stretch);
         // A flow with noise is never shared.
         TemperatureRecord::join(&mut self.temperature, next.temperature);
         for (own, other) in [(&mut self.penetrations, next.penetrations), (&mut self.bounces, next.bounces)] {

@@ -76,6 +76,10 @@ pub struct ParticleFrame {
     pub volume_fraction: Vec<f64>,
     /// m³; amount / (N_A volume) is the concentration.
     pub volume: Vec<f64>,
+    /// Where there are elastic solids: von Mises stress of each particle, Pa, and its largest stretch; empty where there
+    /// are none.
+    pub stress: Vec<f64>,
+    pub stretch: Vec<f64>,
     /// Molecules, species by species.
     pub amounts: Vec<Vec<f64>>,
 }

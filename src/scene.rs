@@ -1,5 +1,7 @@
 //! Particles as they are at an instant: what the chemistry and the observers see of geometry and flow.
 
+mod solids;
+
 use crate::chemistry::{AVOGADRO, GroupSet};
 use crate::error::RunError;
 use crate::fluid::exchange::{Exchange, exchange};
@@ -13,11 +15,14 @@ use crate::plan::particles::BOLTZMANN;
 use crate::plan::start::Voxels as Places;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
+pub use solids::{AT_A_TIME, SolidBody, SolidHealth, SolidImage};
 
 /// The geometry of a particle plan at an instant, and the flow that moves it, if there is one.
 pub struct Scene<'p, const D: usize> {
     pub plan: &'p ParticlePlan<D>,
     pub flow: Option<Flow<D>>,
+    /// Elastic solids that no fluid moves.
+    pub solids: Vec<SolidBody<D>>,
     pub snapshot: Snapshot<D>,
     /// Places with three coordinates, m.
     pub positions: Vec<Vector<3>>,
@@ -33,10 +38,18 @@ pub struct Scene<'p, const D: usize> {
     momentum: Option<Momentum<D>>,
 }
 
+/// What moves in a scene.
+pub struct Moving<const D: usize> {
+    pub flow: Option<Flow<D>>,
+    /// Elastic solids that no fluid moves.
+    pub solids: Vec<SolidBody<D>>,
+}
+
 /// What must be kept of a scene to go on with it later.
 #[derive(Serialize, Deserialize)]
 pub struct Image<'a, const D: usize> {
     flow: Option<fluid::Image<'a, D>>,
+    solids: Vec<SolidImage<'a, D>>,
     presence: Vec<Presence>,
     momentum: Option<Momentum<D>>,
 }
@@ -81,7 +94,9 @@ impl<'p, const D: usize> Scene<'p, D> {
                 Vector::from_fn(|k, _| velocity[k])
             });
         }
-        Ok(Scene::at_rest(plan).with_flow(flow))
+        // In a flow it is the flow that moves them.
+        let solids = if flow.is_none() { Scene::build_solids(plan)? } else { Vec::new() };
+        Ok(Scene::at_rest(plan).with_motion(Moving { flow, solids }))
     }
 
     /// The particles where they are placed, without a flow.
@@ -91,6 +106,7 @@ impl<'p, const D: usize> Scene<'p, D> {
         Scene {
             plan,
             flow: None,
+            solids: Vec::new(),
             snapshot: Snapshot {
                 position: plan.particles.iter().map(|p| p.position).collect(),
                 velocity: vec![Vector::zeros(); count],
@@ -114,10 +130,10 @@ impl<'p, const D: usize> Scene<'p, D> {
         }
     }
 
-    /// The scene of a plan with a flow of that plan as it is now.
+    /// The scene of a plan with what moves in that plan as it is now.
     #[must_use]
-    pub fn with_flow(mut self, flow: Option<Flow<D>>) -> Scene<'p, D> {
-        self.flow = flow;
+    pub fn with_motion(mut self, moving: Moving<D>) -> Scene<'p, D> {
+        (self.flow, self.solids) = (moving.flow, moving.solids);
         self.look();
         self
     }
@@ -127,6 +143,7 @@ impl<'p, const D: usize> Scene<'p, D> {
     pub fn image(&self) -> Image<'_, D> {
         Image {
             flow: self.flow.as_ref().map(Flow::image),
+            solids: self.solids.iter().map(SolidBody::image).collect(),
             presence: self.presence.clone(),
             momentum: self.momentum,
         }
@@ -139,6 +156,12 @@ impl<'p, const D: usize> Scene<'p, D> {
             (Some(flow), Some(kept)) => flow.restore(kept)?,
             (None, None) => {}
             _ => return None,
+        }
+        if image.solids.len() != self.solids.len() {
+            return None;
+        }
+        for (body, kept) in self.solids.iter_mut().zip(image.solids) {
+            body.restore(kept)?;
         }
         self.momentum = image.momentum;
         self.look();
@@ -159,13 +182,20 @@ impl<'p, const D: usize> Scene<'p, D> {
         &self.presence
     }
 
-    /// Reads places and volumes off the flow.
+    /// Takes what moves out of the scene.
+    #[must_use]
+    pub fn take_motion(&mut self) -> Moving<D> {
+        Moving { flow: self.flow.take(), solids: std::mem::take(&mut self.solids) }
+    }
+
+    /// Reads places and volumes off the flow and the solids.
     pub fn look(&mut self) {
         let mut presence = Vec::new();
         if let Some(flow) = &self.flow {
             self.snapshot = flow.snapshot();
             presence = flow.presence().unwrap_or_default();
         }
+        self.show_solids();
         self.see(presence);
     }
 
@@ -220,7 +250,7 @@ impl<'p, const D: usize> Scene<'p, D> {
         self.presence = now;
     }
 
-    /// Moves the flow by `steps` steps of `dt` seconds, or until `stop` says so; the number of steps taken. Only after
+    /// Moves the flow, or the solids, by `steps` steps of `dt` seconds, or until `stop` says so; the number of steps taken. Only after
     /// all of them it is looked at again.
     pub fn advance(
         &mut self,
@@ -229,12 +259,13 @@ impl<'p, const D: usize> Scene<'p, D> {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<u64, RunError> {
         self.book_momentum(0.0);
-        let mut taken = steps;
-        if let Some(flow) = &mut self.flow {
-            taken = flow.advance_until(dt, steps, stop)?;
-            if taken == steps {
-                self.look();
-            }
+        let taken = match &mut self.flow {
+            Some(flow) => flow.advance_until(dt, steps, stop)?,
+            None => self.advance_solids(dt, steps, stop)?,
+        };
+        if taken == steps {
+            self.look();
+            self.check_solids()?;
         }
         self.book_momentum(dt * taken as f64);
         Ok(taken)

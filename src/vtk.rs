@@ -35,6 +35,8 @@ pub fn write_vtu(path: &Path, frame: &ParticleFrame, species: &[String]) -> Resu
         ("pressure", &frame.pressure),
         ("volume_fraction", &frame.volume_fraction),
         ("volume", &frame.volume),
+        ("stress", &frame.stress),
+        ("stretch", &frame.stretch),
     ] {
         if values.len() == n {
             array(&mut out, "Float64", name, 1, values.iter());
@@ -112,6 +114,7 @@ mod tests {
             volume_fraction: vec![0.0; 2],
             volume: vec![1.0; 2],
             amounts: vec![vec![5.0 * AVOGADRO, 0.0]],
+            ..ParticleFrame::default()
         };
         let path = dir.path().join("vtk/frame.vtu");
         write_vtu(&path, &frame, &["L".into()]).unwrap();

@@ -97,6 +97,8 @@ fn point(
             let (sum, own) = (&mut record.performance, &run.performance);
             sum.particle_steps += own.particle_steps;
             sum.pair_evaluations += own.pair_evaluations;
+            sum.solid_particle_steps += own.solid_particle_steps;
+            sum.bond_evaluations += own.bond_evaluations;
             sum.fluid_seconds += own.fluid_seconds;
             sum.reaction_events += own.reaction_events;
             sum.hops += own.hops;

@@ -81,7 +81,10 @@ impl Books {
         let species = plan.reactor.species.iter().cloned();
         let supplied: BTreeMap<String, f64> =
             species.zip(tally.supplied.iter().copied()).filter(|(_, n)| *n != 0.0).collect();
-        let flow = tally.flow.as_ref();
+        // Solids move without a fluid too.
+        let moved = tally.flow.as_ref();
+        let flow = moved
+            .filter(|_| matches!(&plan.model.domain, Domain::Particles(domain) if domain.fluid.is_some()));
         let warnings = plan.warnings.iter().map(|warning| warning.line()).chain(tally.warnings());
         record.health = Health {
             molecules_created_or_lost: tally.lost,
@@ -93,11 +96,14 @@ impl Books {
             largest_mach: flow.map(|f| f.largest_mach),
             largest_density_change: flow.map(|f| f.largest_density_change),
             temperature: flow.and_then(|f| f.temperature),
+            largest_stretch: moved.and_then(|f| f.largest_stretch),
             warnings: warnings.chain(std::mem::take(&mut record.health.warnings)).collect(),
         };
         let performance = &mut record.performance;
         performance.particle_steps = tally.particle_steps;
         performance.pair_evaluations = tally.pair_evaluations;
+        performance.solid_particle_steps = tally.solid_particle_steps;
+        performance.bond_evaluations = tally.bond_evaluations;
         performance.fluid_seconds = tally.fluid_seconds;
         performance.reaction_events = tally.reaction_events;
         performance.hops = tally.hops;

@@ -180,7 +180,7 @@ fn conclude(
         columns: &columns,
         covariance: plan.model.output.covariance,
         histograms: &record.histograms,
-        probes: !plan.model.output.probes.is_empty(),
+        probes: !record.probes.is_empty(),
     };
     let mut books = Books::new(plan, tally);
     assemble(&mut told, dir, &wanted, Some(&mut books))?;

@@ -54,7 +54,7 @@ pub fn record(plan: &Plan, block: &Range<u32>, ready: &Ready, threads: usize) ->
             .collect(),
         conservation_laws: plan.conservation_laws().into_iter().map(|(words, _)| words).collect(),
         conditions: conditions(model),
-        probes: probes(plan),
+        probes: probes(plan).into_iter().chain(sampling::solids::records(&plan.model)).collect(),
         histograms: model
             .output
             .histograms
@@ -66,6 +66,7 @@ pub fn record(plan: &Plan, block: &Range<u32>, ready: &Ready, threads: usize) ->
             })
             .collect(),
         fluid: ready.fluid(),
+        solids: ready.solids(),
         steps: ready.steps(),
         precision: None,
         hybrid: Vec::new(),
@@ -136,6 +137,7 @@ fn domain(plan: &Plan) -> DomainRecord {
                         material: match (group.material, domain.fluid.is_some()) {
                             (Material::Zone, _) => "zone",
                             (Material::Wall { .. }, _) => "wall",
+                            (Material::Solid, _) => "solid",
                             (Material::Fluid, true) => "fluid",
                             (Material::Fluid, false) => "static",
                         }

@@ -12,6 +12,8 @@ use crate::quantity::readable::Scale;
 pub(super) const BAND: usize = 5;
 /// The quantity that stands for itself on a ring of receptors.
 pub(super) const OCCUPANCY: &str = "occupancy";
+/// Kinds of probes that show one number a time.
+const POINTS: [&str; 3] = ["surface", "point", "solid"];
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
 /// Figures of each probe: receptors round a ring, the other quantities, a polar view.
@@ -20,8 +22,9 @@ pub fn probes(samples: &Samples) -> Vec<Figure> {
     for row in &samples.probes {
         // Lines through one-dimensional models are drawn with their species together.
         let drawn = samples.record.domain.dimensions == 1 && !is_ring(samples, &row.probe);
-        // A surface has no extent along which to draw.
-        let drawn = drawn || samples.record.probes.iter().any(|p| p.name == row.probe && p.kind == "surface");
+        // A surface, a point or a whole solid has no extent along which to draw.
+        let drawn = drawn
+            || samples.record.probes.iter().any(|p| p.name == row.probe && POINTS.contains(&p.kind.as_str()));
         if !names.contains(&row.probe.as_str()) && !drawn {
             names.push(&row.probe);
         }

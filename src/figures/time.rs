@@ -16,8 +16,8 @@ pub(super) struct Curves {
     pub title: String,
     pub values: Vec<Vec<f64>>,
     /// SI unit of the values.
-    pub unit: &'static str,
-    pub label: &'static str,
+    pub unit: String,
+    pub label: String,
 }
 
 /// Amount of every species in every group where it ever occurs.
@@ -38,7 +38,12 @@ pub fn amounts(samples: &Samples) -> Option<Figure> {
 }
 
 fn amount(samples: &Samples, c: usize) -> Curves {
-    Curves { title: title(samples, c), values: column(samples, c), unit: "molecules", label: "amount" }
+    Curves {
+        title: title(samples, c),
+        values: column(samples, c),
+        unit: "molecules".into(),
+        label: "amount".into(),
+    }
 }
 
 /// What a reader asks for first: occupancy, or the amount over the domain that changes most (with its species).
@@ -83,7 +88,7 @@ fn occupancies(samples: &Samples) -> Vec<Curves> {
             if values.iter().flatten().any(|v| v.is_finite()) {
                 let title = format!("{bound}/({free} + {bound})");
                 places.push(format!(" in {group}"));
-                curves.push(Curves { title, values, unit: "1", label: "occupancy" });
+                curves.push(Curves { title, values, unit: "1".into(), label: "occupancy".into() });
             }
         }
     }
@@ -104,8 +109,8 @@ pub fn fano(samples: &Samples) -> Option<Figure> {
     let curve = |c: usize| Curves {
         title: title(samples, c),
         values: vec![(0..series.times.len()).map(|t| fano_factor(&series.across(t, c))).collect()],
-        unit: "1",
-        label: "variance / mean",
+        unit: "1".into(),
+        label: "variance / mean".into(),
     };
     let curves: Vec<Curves> = (0..names.len())
         .filter(|&c| !repeats(samples, c))
@@ -232,7 +237,7 @@ pub(super) fn draw_curves(
     let shown = range(curve.values.iter().flatten().copied());
     // What lies far below the reference is shown on its own scale.
     let band = band.into_iter().filter(|_| shown.1 > 0.5);
-    let y = Axis::covering(curve.values.iter().flatten().copied().chain(band), curve.unit, curve.label)
+    let y = Axis::covering(curve.values.iter().flatten().copied().chain(band), &curve.unit, &curve.label)
         .with_air();
     let x = Axis::covering(times.iter().copied(), "s", "time");
     let p = Panel { left: frame[0], top: frame[1], width: frame[2], height: frame[3], x, y };

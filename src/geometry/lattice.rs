@@ -9,6 +9,9 @@ use rand::Rng;
 pub enum Lattice {
     /// Square or cubic, centred in the cells of a grid that starts at the corner of the domain.
     Square,
+    /// As square, of as many cells as go best into the box round the shape: their edges differ a little from the
+    /// spacing.
+    Fitted,
     /// Concentric rings, each particle with its exact share of the area (discs and rings in 2D).
     Rings,
 }
@@ -34,38 +37,60 @@ pub fn fill<const D: usize>(
     random: &mut impl Rng,
 ) -> Vec<(Vector<D>, f64)> {
     match region.lattice {
-        Lattice::Square => square(region, min, max, random),
+        Lattice::Square => {
+            let cells = |k: usize| ((max[k] - min[k]) / region.spacing).round() as i64;
+            let grid = Grid {
+                min: *min,
+                edge: Vector::from_fn(|_, _| region.spacing),
+                cells: std::array::from_fn(cells),
+            };
+            square(region, (min, max), &grid, random)
+        }
+        Lattice::Fitted => {
+            let (low, high) = region.shape.bounds(&embed(min), &embed(max));
+            let cells: [i64; D] =
+                std::array::from_fn(|k| ((high[k] - low[k]) / region.spacing).round().max(1.0) as i64);
+            let edge = Vector::from_fn(|k, _| (high[k] - low[k]) / cells[k] as f64);
+            let grid = Grid { min: Vector::from_fn(|k, _| low[k]), edge, cells };
+            square(region, (min, max), &grid, random)
+        }
         Lattice::Rings => rings(region.shape, region.spacing),
     }
 }
 
+/// Cells in whose centres particles lie.
+struct Grid<const D: usize> {
+    min: Vector<D>,
+    edge: Vector<D>,
+    cells: [i64; D],
+}
+
 fn square<const D: usize>(
     region: &Fill,
-    min: &Vector<D>,
-    max: &Vector<D>,
+    (min, max): (&Vector<D>, &Vector<D>),
+    grid: &Grid<D>,
     random: &mut impl Rng,
 ) -> Vec<(Vector<D>, f64)> {
-    let spacing = region.spacing;
     let (low, high) = region.shape.bounds(&embed(min), &embed(max));
+    let Grid { min, edge, cells } = grid;
     // Cells of the grid that may hold a centre inside the region.
     let first: [i64; D] =
-        std::array::from_fn(|k| ((low[k] - min[k]) / spacing - 0.5).floor().max(0.0) as i64);
-    let cells: [i64; D] = std::array::from_fn(|k| ((max[k] - min[k]) / spacing).round() as i64);
+        std::array::from_fn(|k| ((low[k] - min[k]) / edge[k] - 0.5).floor().max(0.0) as i64);
     let last: [i64; D] =
-        std::array::from_fn(|k| cells[k].min(((high[k] - min[k]) / spacing + 0.5).ceil() as i64));
-    let volume = spacing.powi(D as i32);
+        std::array::from_fn(|k| cells[k].min(((high[k] - min[k]) / edge[k] + 0.5).ceil() as i64));
+    let volume = edge.iter().product();
     let mut found = Vec::new();
     let mut cell = first;
     if (0..D).any(|k| first[k] >= last[k]) {
         return found;
     }
     loop {
-        let mut x = Vector::<D>::from_fn(|k, _| min[k] + (cell[k] as f64 + 0.5) * spacing);
+        let mut x = Vector::<D>::from_fn(|k, _| min[k] + (cell[k] as f64 + 0.5) * edge[k]);
         let place = embed(&x);
         if region.shape.holds(&place) && !region.without.iter().any(|other| other.holds(&place)) {
             if region.jitter > 0.0 {
                 for k in 0..D {
-                    x[k] += spacing * region.jitter * random.random_range(-1.0..1.0);
+                    x[k] += edge[k] * region.jitter * random.random_range(-1.0..1.0);
                 }
             }
             found.push((x, volume));
@@ -131,6 +156,19 @@ mod tests {
         assert!((found.iter().map(|p| p.1).sum::<f64>() - 2.0).abs() < 1e-12);
         let found = fill::<3>(&region, &[0.0; 3].into(), &[0.5, 0.5, 0.2].into(), &mut random);
         assert_eq!(found.len(), 50);
+    }
+
+    #[test]
+    fn a_fitted_lattice_fills_what_no_spacing_divides() {
+        let shape = Shape::Box { min: [0.3, 0.1, -1.0].into(), max: [1.3, 0.34, 1.0].into() };
+        let region =
+            Fill { shape: &shape, without: vec![], lattice: Lattice::Fitted, spacing: 0.07, jitter: 0.0 };
+        let mut random = stream(1, 0, Purpose::Placement);
+        let found = fill::<2>(&region, &[0.0, 0.0].into(), &[2.0, 1.0].into(), &mut random);
+        // 14 by 3 cells.
+        assert_eq!(found.len(), 42);
+        assert!((found.iter().map(|p| p.1).sum::<f64>() - 0.24).abs() < 1e-12);
+        assert!((found[0].0 - Vector::<2>::new(0.3 + 0.5 / 14.0, 0.14)).norm() < 1e-12);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::groups::{self, Group};
 use super::names::{axis_name, pad};
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
+use super::solids::{self, Mechanics, SolidModel};
 use crate::chemistry::Network;
 use crate::fluid::Weights;
 use crate::quantity::Dimension;
@@ -52,6 +53,9 @@ pub struct ParticleDomain {
     pub weights: Weights,
     pub groups: Vec<Group>,
     pub fluid: Option<FluidModel>,
+    /// Elastic solids.
+    pub solids: Vec<SolidModel>,
+    pub mechanics: Mechanics,
     pub conditions: Vec<Condition>,
 }
 
@@ -60,6 +64,12 @@ impl ParticleDomain {
     #[must_use]
     pub fn group(&self, name: &str) -> Option<usize> {
         self.groups.iter().position(|group| group.name == name)
+    }
+
+    /// Whether anything moves: a fluid or elastic solids.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.fluid.is_some() || !self.solids.is_empty()
     }
 }
 
@@ -93,6 +103,8 @@ pub struct Sections<'a> {
     pub groups: Option<&'a Node>,
     pub fluid: Option<&'a Node>,
     pub conditions: Option<&'a Node>,
+    pub solids: Option<&'a Node>,
+    pub mechanics: Option<&'a Node>,
 }
 
 #[derive(Clone, Copy)]
@@ -115,6 +127,8 @@ pub fn read(sections: &Sections, network: &Network, faults: &mut Faults) -> Opti
             (sections.groups, "groups"),
             (sections.fluid, "fluid"),
             (sections.conditions, "conditions"),
+            (sections.solids, "solids"),
+            (sections.mechanics, "mechanics"),
         ] {
             if let Some(node) = section {
                 faults.at(
@@ -199,8 +213,11 @@ fn particles(
         weights,
         groups: groups?,
         fluid,
+        solids: Vec::new(),
+        mechanics: Mechanics::default(),
         conditions: Vec::new(),
     };
+    domain.solids = solids::read(sections, &mut domain, network, faults);
     if let Some(node) = sections.conditions {
         domain.conditions = conditions::read(node, &domain, network, faults);
     }

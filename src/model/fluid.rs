@@ -1,7 +1,7 @@
 //! The `fluid:` of a model.
 
 pub(super) mod field;
-mod velocity;
+pub(super) mod velocity;
 
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};

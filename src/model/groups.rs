@@ -17,8 +17,10 @@ use crate::vector::Vector;
 pub enum Material {
     /// Moves with the flow (rests if there is none).
     Fluid,
-    /// Solid: no slip or free slip.
+    /// Rigid: no slip or free slip.
     Wall { free_slip: bool },
+    /// Elastic, as `solids` describes it.
+    Solid,
     /// A region that particles of other groups pass through; owns no particles.
     Zone,
 }
@@ -37,12 +39,15 @@ pub struct Group {
     /// Indices of the species that may live here; all if `None`.
     pub holds: Option<Vec<usize>>,
     pub place: Place,
+    /// Whether only its name is known.
+    pub unread: bool,
 }
 
 #[derive(Clone, Copy)]
 enum MaterialName {
     Fluid,
     Wall,
+    Solid,
     Zone,
 }
 
@@ -66,6 +71,7 @@ pub(super) fn read(
             jitter: 0.0,
             holds: None,
             place: sections.domain.place.clone(),
+            unread: false,
         };
         check_fit(&medium, d, corners, faults);
         return Some(vec![medium]);
@@ -121,12 +127,14 @@ fn unread(key: &Key, spacing: f64) -> Group {
         jitter: 0.0,
         holds: None,
         place: key.place.clone(),
+        unread: true,
     }
 }
 
 /// A square lattice must fit the box in whole cells.
 fn check_fit(group: &Group, d: usize, (min, max): (&Vector<3>, &Vector<3>), faults: &mut Faults) {
-    if group.material == Material::Zone || group.lattice != Lattice::Square {
+    // A solid has a lattice that fits its own shape.
+    if matches!(group.material, Material::Zone | Material::Solid) || group.lattice != Lattice::Square {
         return;
     }
     for k in 0..d {
@@ -159,7 +167,12 @@ fn group(
     faults: &mut Faults,
 ) -> Option<Group> {
     let mut fields = Fields::of(node, &format!("group `{name}`"), faults)?;
-    let kinds = [("fluid", MaterialName::Fluid), ("wall", MaterialName::Wall), ("zone", MaterialName::Zone)];
+    let kinds = [
+        ("fluid", MaterialName::Fluid),
+        ("wall", MaterialName::Wall),
+        ("solid", MaterialName::Solid),
+        ("zone", MaterialName::Zone),
+    ];
     let material = match fields.optional("material") {
         None => MaterialName::Fluid,
         Some(n) => n.choice(&kinds, faults)?,
@@ -178,6 +191,15 @@ fn group(
                     "use lattice: square",
                 );
             }
+        }
+        if let (MaterialName::Solid, Some(n)) =
+            (material, fields.optional("lattice").or_else(|| fields.optional("jitter")))
+        {
+            faults.at(
+                &n.place,
+                "how a solid is filled is said in `solids`",
+                "remove it; see solids: placement",
+            );
         }
         if let Some(n) = fields.optional("spacing") {
             spacing = n.positive(Dimension::LENGTH, faults)?;
@@ -208,6 +230,7 @@ fn group(
     let material = match material {
         MaterialName::Fluid => Material::Fluid,
         MaterialName::Wall => Material::Wall { free_slip },
+        MaterialName::Solid => Material::Solid,
         MaterialName::Zone => Material::Zone,
     };
     Some(Group {
@@ -219,6 +242,7 @@ fn group(
         jitter,
         holds,
         place: place.clone(),
+        unread: false,
     })
 }
 

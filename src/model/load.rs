@@ -13,7 +13,7 @@ use super::{
 use crate::chemistry::{Network, Representation};
 use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::Dimension;
-use crate::record::{ModelText, PARTICLE_COLUMNS};
+use crate::record::{ModelText, PARTICLE_COLUMNS, SOLID_COLUMNS};
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::path::{Component, Path, PathBuf};
@@ -211,6 +211,8 @@ fn read(
         fields.optional("groups"),
         fields.optional("fluid"),
         fields.optional("conditions"),
+        fields.optional("solids"),
+        fields.optional("mechanics"),
     ];
     let flow_node = fields.optional("flow");
     let chemistry_node = fields.optional("chemistry");
@@ -237,6 +239,8 @@ fn read(
                 groups: sections[1],
                 fluid: sections[2],
                 conditions: sections[3],
+                solids: sections[4],
+                mechanics: sections[5],
             },
             &network,
             faults,
@@ -418,7 +422,7 @@ fn check_names(network: &Network, domain: &domain::Domain, faults: &mut Faults) 
         let name = species.name.as_str();
         let taken = if groups.iter().any(|group| group == name) {
             "a group of this model"
-        } else if particles && PARTICLE_COLUMNS.contains(&name) {
+        } else if particles && (PARTICLE_COLUMNS.contains(&name) || SOLID_COLUMNS.contains(&name)) {
             "a column of the particle tables"
         } else {
             continue;

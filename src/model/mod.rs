@@ -17,6 +17,7 @@ pub mod probes;
 pub mod reactions;
 pub mod reader;
 pub mod shapes;
+pub mod solids;
 pub mod sweep;
 mod times;
 
@@ -33,6 +34,7 @@ pub use initial::{Amount, Deal, Initial};
 pub use output::{Output, Run};
 pub use precision::Precision;
 pub use probes::{Probe, ProbeShape};
+pub use solids::{Mechanics, SolidModel};
 pub use sweep::Sweep;
 
 /// A checked model, everything in SI units, groups and species by index.
@@ -57,17 +59,18 @@ pub struct Model {
 }
 
 impl Model {
-    /// Whether each realization has a flow of its own: thermal noise, or buoyancy by species that may differ between
-    /// realizations, which they do unless all are continuous.
+    /// Whether each realization has a flow of its own: thermal noise, or buoyancy, softening or growth by
+    /// species that may differ between realizations, which they do unless all are continuous.
     #[must_use]
     pub fn flows_differ(&self) -> bool {
         let Domain::Particles(domain) = &self.domain else { return false };
-        let Some(fluid) = &domain.fluid else { return false };
         let lifts = domain.conditions.iter().any(|c| matches!(c.what, conditions::What::Buoyancy { .. }));
         let representation =
             |s: &crate::chemistry::Species| s.representation.unwrap_or(self.chemistry.representation);
         let chance = self.network.species.iter().any(|s| representation(s) != Representation::Continuous);
-        fluid.temperature.is_some() || lifts && chance
+        let noise = domain.fluid.as_ref().is_some_and(|fluid| fluid.temperature.is_some());
+        let softens = domain.solids.iter().any(|s| s.softening.is_some() || s.growth.is_some());
+        noise || (lifts || softens) && chance
     }
 }
 

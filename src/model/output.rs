@@ -6,6 +6,7 @@ use super::node::{Node, Value};
 use super::precision::Precision;
 use super::probes::{self, Probe};
 use super::reader::{Faults, Fields};
+use super::solids::{self, Point};
 use super::times::{End, multiples, times};
 use crate::chemistry::Network;
 use crate::quantity::Dimension;
@@ -32,6 +33,8 @@ pub struct Output {
     /// Times of the particle tables (each one of `times`) and the number of realizations that write them.
     pub particles: Option<(Vec<f64>, u32)>,
     pub probes: Vec<Probe>,
+    /// Points of solids that are followed.
+    pub points: Vec<Point>,
     pub covariance: bool,
     pub histograms: Vec<Histogram>,
     pub vtk: bool,
@@ -134,6 +137,10 @@ pub(super) fn read_output(
         if let Some(n) = fields.optional("probes") {
             output.probes = probes::read(n, domain, network, faults);
         }
+        if let Some(n) = fields.optional("points") {
+            output.points = solids::read_points(n, domain, faults);
+        }
+        solids::check_names(fields.optional("probes"), &output.points, domain, faults);
         if let Some(n) = fields.optional("covariance") {
             output.covariance = n.boolean(faults).unwrap_or(false);
         }

@@ -109,7 +109,7 @@ pub fn check_integrator(model: &Model, network: &Network, discrete: &[bool], fau
             "add one, e.g. chemistry: { integrator: euler, step: 0.1 ms }",
         );
     }
-    if matches!(&model.domain, Domain::Particles(domain) if domain.fluid.is_some()) {
+    if matches!(&model.domain, Domain::Particles(domain) if domain.moves()) {
         refuse(
             "integrator: euler is for particles at rest, and these move".into(),
             "remove `integrator`, or set fluid: { method: none }",
@@ -248,7 +248,8 @@ fn may_hold(model: &Model, reactor: &Reactor, g: usize, classes: &[u8], s: usize
         && domain.groups[g].material == Material::Zone
     {
         return domain.groups.iter().enumerate().any(|(other, group)| {
-            group.material == Material::Fluid && reactor.habitat[s].holds(other as u8)
+            matches!(group.material, Material::Fluid | Material::Solid)
+                && reactor.habitat[s].holds(other as u8)
         });
     }
     classes.iter().any(|&class| reactor.habitat[s].holds(class))

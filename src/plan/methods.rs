@@ -53,7 +53,7 @@ pub fn check_particles(
     let mut refuse = |reason: &str, remedy: &str| {
         faults.push(Fault::at(&model.places.chemistry, reason, remedy));
     };
-    if domain.fluid.is_some() {
+    if domain.moves() {
         refuse(
             "an event-driven method needs particles at rest, and here they flow: rates would change between events",
             "remove `method` for the split method, or set fluid: { method: none }",

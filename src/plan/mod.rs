@@ -9,8 +9,10 @@ pub mod methods;
 pub mod narrow;
 mod openings;
 pub mod particles;
+pub mod solids;
 pub mod start;
 pub mod surfaces;
+mod thickness;
 
 use crate::chemistry::analysis::{Analysis, analyse};
 use crate::chemistry::{Links, Network, Reactor};
@@ -20,6 +22,7 @@ use crate::model::{Domain, Method, Model, ParticleDomain};
 pub use lift::Lift;
 pub use openings::OpeningsPlan;
 pub use particles::ParticlePlan;
+pub use solids::SolidPlan;
 
 /// A model ready to run.
 pub struct Plan {
@@ -112,6 +115,9 @@ impl Plan {
         let mut plan = Plan { model, network, analysis, reactor, arena, columns, warnings: Vec::new() };
         start::check(&plan, &mut faults);
         surfaces::check(&plan, &mut faults);
+        if let Domain::Particles(domain) = &plan.model.domain {
+            solids::check_species(&plan, domain, &mut faults);
+        }
         if !faults.is_empty() {
             return Err(ModelError::sorted(faults));
         }

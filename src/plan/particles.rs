@@ -1,6 +1,7 @@
 //! Particles of a model: places, bodies of the flow, zones, barriers, sponges.
 
 use super::bodies::motion;
+use super::solids::{self, SolidPlan};
 use crate::error::Fault;
 use crate::fluid::{
     Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Noise, Placed, Setup, Slip, Sponge, Weights,
@@ -11,7 +12,7 @@ use crate::model::conditions::{WallMotion, WallName, What};
 use crate::model::fluid::Velocity;
 use crate::model::groups::Group;
 use crate::model::names::{axis_name, side_name};
-use crate::model::{Amount, Boundary, Deal, FluidModel, Material, Model, ParticleDomain};
+use crate::model::{Amount, Boundary, Deal, FluidModel, Material, Model, ParticleDomain, SolidModel};
 use crate::quantity::readable::length;
 use crate::random::{Purpose, stream};
 use crate::vector::Vector;
@@ -51,6 +52,8 @@ pub struct ParticlePlan<const D: usize> {
     pub velocity: Velocity,
     /// Species that make the fluid lighter or heavier.
     pub lifts: Vec<super::Lift<D>>,
+    /// Elastic solids, in the order of the model.
+    pub solids: Vec<SolidPlan<D>>,
     /// How long the flow runs before t = 0, s.
     pub settle: f64,
     /// Smallest spacing, m.
@@ -91,6 +94,12 @@ impl<const D: usize> ParticlePlan<D> {
             let kind = BodyKind::Fluid { density: fluid.density, viscosity: fluid.viscosity };
             bodies.push(Body { name: "fluid".into(), kind });
         }
+        let space = Domain {
+            min,
+            max,
+            periodic: std::array::from_fn(|k| domain.boundaries[k] == Boundary::Periodic),
+        };
+        let mut elastic: Vec<Option<SolidPlan<D>>> = vec![None; domain.solids.len()];
         let mut random = stream(model.run.seed, 0, Purpose::Placement);
         let solid: Vec<&Group> = domain.groups.iter().filter(|g| g.material != Material::Zone).collect();
         for (g, group) in domain.groups.iter().enumerate() {
@@ -120,10 +129,14 @@ impl<const D: usize> ParticlePlan<D> {
             // Points on a surface that two groups share go to the one that comes first.
             let earlier: Vec<&Shape> =
                 solid.iter().take_while(|other| other.name != group.name).map(|other| &other.shape).collect();
-            let mut found = fill::<D>(&region, &min, &max, &mut random);
+            let described = domain.solids.iter().position(|solid| solid.group == g);
+            let mut found = match described {
+                Some(k) => solids::places(&domain.solids[k], group, (&min, &max), &mut random),
+                None => fill::<D>(&region, &min, &max, &mut random),
+            };
             found.retain(|(x, _)| {
                 let on = |shape: &&Shape| shape.signed_distance(&embed(x)).abs() <= 1e-9 * group.spacing;
-                !earlier.iter().any(on)
+                !earlier.iter().any(on) && !too_near(domain, group, &embed(x))
             });
             if found.is_empty() {
                 faults.push(Fault::at(
@@ -133,17 +146,17 @@ impl<const D: usize> ParticlePlan<D> {
                 ));
             }
             check_overlap(group, &found, &solid, faults);
+            if let Some(k) = described.filter(|_| !found.is_empty()) {
+                let at = (&space, particles.len());
+                elastic[k] = Some(solids::solid(domain, &domain.solids[k], at, &found, faults));
+            }
             for (position, volume) in found {
                 particles.push(Placed { position, volume, body: body as u8 });
                 home.push(g as u8);
             }
         }
         let mut plan = ParticlePlan {
-            domain: Domain {
-                min,
-                max,
-                periodic: std::array::from_fn(|k| domain.boundaries[k] == Boundary::Periodic),
-            },
+            domain: space,
             kernel: domain.kernel,
             weights: domain.weights,
             cutoff,
@@ -185,6 +198,7 @@ impl<const D: usize> ParticlePlan<D> {
             openings: None,
             velocity: domain.fluid.as_ref().map_or_else(Velocity::default, |fluid| fluid.velocity.clone()),
             lifts: super::lift::lifts(domain),
+            solids: elastic.into_iter().flatten().collect(),
             settle: domain.fluid.as_ref().map_or(0.0, |fluid| fluid.settle),
             finest: domain.groups.iter().map(|group| group.spacing).fold(domain.spacing, f64::min),
         };
@@ -397,10 +411,19 @@ impl<const D: usize> ParticlePlan<D> {
     }
 }
 
+/// Whether a place is nearer to the surface of an elastic solid than half a spacing of a group of fluid: a lattice that
+/// goes with the solid ends there, as it does at walls.
+fn too_near(domain: &ParticleDomain, group: &Group, x: &Vector<3>) -> bool {
+    let near = |solid: &SolidModel| {
+        domain.groups[solid.group].shape.signed_distance(x) < (0.5 - 1e-6) * group.spacing
+    };
+    group.material == Material::Fluid && domain.solids.iter().any(near)
+}
+
 /// Whether a group has a shape of its own and stays in it.
 fn stays(domain: &ParticleDomain, g: usize, group: &Group) -> bool {
     let solid = match group.material {
-        Material::Zone => false,
+        Material::Zone | Material::Solid => false,
         Material::Fluid => domain.fluid.is_none(),
         Material::Wall { .. } => !domain.conditions.iter().any(|condition| {
             matches!(&condition.what, What::MovingWall { wall: WallName::Group(moved), motion }

@@ -90,8 +90,10 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
             },
         ],
         histograms: vec![],
+        solids: vec![],
         precision: None,
         steps: StepsRecord {
+            solid: None,
             fluid: Some(StepRecord { step: 1e-6, count: 2_000_000, limited_by: "speed of sound".into() }),
             chemistry: Some(StepRecord { step: 1e-4, count: 20_000, limited_by: "diffusion of L".into() }),
             method: "exact split sampling (Strang)".into(),
@@ -140,6 +142,8 @@ fn record(realizations: u32, times: &[f64]) -> RunRecord {
         performance: Performance {
             particle_steps: 10_400_000_000,
             pair_evaluations: 291_000_000_000,
+            solid_particle_steps: 0,
+            bond_evaluations: 0,
             fluid_seconds: 512.0,
             reaction_events: 1_234_567,
             hops: 88_123_456,

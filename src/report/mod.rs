@@ -10,6 +10,7 @@ mod fluid;
 mod html;
 mod numbers;
 mod sections;
+mod solids;
 mod summary;
 mod sweep;
 
@@ -83,6 +84,7 @@ fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
         if k == 1 {
             out += &sections::chemistry(record);
             out += &fluid::fluid(record);
+            out += &solids::solids(record);
         }
         let here: Vec<&str> = figures.iter().filter(|f| f.0 == k).map(|f| f.1.as_str()).collect();
         if !here.is_empty() {

@@ -2,6 +2,7 @@
 //! looks at any number of realizations.
 
 pub mod probe;
+pub mod solids;
 
 use crate::chemistry::AVOGADRO;
 use crate::plan::Plan;
@@ -115,6 +116,8 @@ pub struct Lens<'p, const D: usize> {
     plan: &'p Plan,
     sums: Sums<'p>,
     probes: Vec<ProbeLens<'p, D>>,
+    /// What the solids show.
+    solids: Vec<solids::Row>,
     /// Places, velocities and the like of all particles but the walls round the box; amounts to be added.
     frame: Option<(ParticleFrame, Vec<u32>)>,
 }
@@ -131,6 +134,7 @@ impl<'p, const D: usize> Lens<'p, D> {
             plan,
             sums: Sums::new(plan, slot, &scene.volumes, groups.len()),
             probes: plan.model.output.probes.iter().map(|probe| ProbeLens::new(plan, probe, scene)).collect(),
+            solids: solids::rows(plan, scene),
             frame,
         }
     }
@@ -144,7 +148,10 @@ impl<'p, const D: usize> Lens<'p, D> {
         for probe in &self.probes {
             probe.look(amounts, now, realization, realization == 0 || !shared, &mut observed.probes);
         }
-        if !self.probes.is_empty() {
+        if realization == 0 || !shared {
+            observed.probes.extend(self.solids.iter().map(|row| row.rows(realization, time)));
+        }
+        if !(self.probes.is_empty() && self.solids.is_empty()) {
             observed.marks.push(observed.probes.len() as u32);
         }
         let Some((frame, rows)) = &self.frame else { return };
@@ -165,7 +172,11 @@ fn frame<const D: usize>(scene: &Scene<D>, groups: &[String]) -> (ParticleFrame,
     let rows: Vec<u32> = (0..scene.positions.len() as u32)
         .filter(|&i| usize::from(scene.current[i as usize]) < groups.len())
         .collect();
-    let of = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&i| values[i as usize]).collect() };
+    // What there is not of any particle is empty.
+    let of = |values: &[f64]| -> Vec<f64> {
+        rows.iter().filter_map(|&i| values.get(i as usize).copied()).collect()
+    };
+    let (stress, stretch) = solids::strains(scene);
     let three = |v: &crate::vector::Vector<D>| -> [f64; 3] {
         std::array::from_fn(|k| if k < D { v[k] } else { 0.0 })
     };
@@ -179,6 +190,8 @@ fn frame<const D: usize>(scene: &Scene<D>, groups: &[String]) -> (ParticleFrame,
         pressure: of(&scene.snapshot.pressure),
         volume_fraction: of(&scene.snapshot.volume_fraction),
         volume: of(&scene.volumes),
+        stress: of(&stress),
+        stretch: of(&stretch),
         amounts: Vec::new(),
     };
     (frame, rows)

@@ -99,6 +99,7 @@ impl<'p> Ready<'p> {
         approximations.extend(events::approximations(self.arena.method, &self.plan.model.chemistry));
         StepsRecord {
             fluid: None,
+            solid: None,
             chemistry,
             method: if euler { FORWARD_EULER } else { events::words(self.arena.method) }.into(),
             approximations,

@@ -81,7 +81,7 @@ pub(super) fn withheld(expected: f64) -> Option<String> {
 }
 
 fn moving(plan: &Plan) -> bool {
-    matches!(&plan.model.domain, Domain::Particles(domain) if domain.fluid.is_some())
+    matches!(&plan.model.domain, Domain::Particles(domain) if domain.moves())
 }
 
 /// A splitting error from which on a run warns.

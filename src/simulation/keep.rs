@@ -95,6 +95,8 @@ pub struct CourseShare {
     pub chemistry_seconds: f64,
     pub particle_steps: u64,
     pub pair_evaluations: u64,
+    pub solid_particle_steps: u64,
+    pub bond_evaluations: u64,
 }
 
 /// Writes a state.

@@ -18,7 +18,7 @@ pub mod watch;
 use crate::error::{ModelError, RunError};
 use crate::plan::{Arena, Plan};
 use crate::quantity::readable::show;
-use crate::record::{FluidRecord, HybridRecord, StepsRecord, TemperatureRecord};
+use crate::record::{FluidRecord, HybridRecord, SolidRecord, StepsRecord, TemperatureRecord};
 use crate::sampling::Observed;
 use keep::Memory;
 use serde::{Deserialize, Serialize};
@@ -64,6 +64,8 @@ pub struct Tally {
     pub hops: u64,
     pub particle_steps: u64,
     pub pair_evaluations: u64,
+    pub solid_particle_steps: u64,
+    pub bond_evaluations: u64,
     pub fluid_seconds: f64,
     pub chemistry_seconds: f64,
     /// Net molecules brought in by reservoirs, by species.
@@ -104,6 +106,8 @@ impl Tally {
         self.chemistry_seconds += course.chemistry_seconds;
         self.particle_steps += course.particle_steps;
         self.pair_evaluations += course.pair_evaluations;
+        self.solid_particle_steps += course.solid_particle_steps;
+        self.bond_evaluations += course.bond_evaluations;
         match &mut self.flow {
             Some(flow) if self.steps.shared_flow => flow.absorb_same(course.flow.clone()),
             Some(flow) => flow.absorb(course.flow.clone()),
@@ -131,6 +135,8 @@ pub struct FlowTally {
     pub warnings: Vec<String>,
     /// With thermal noise.
     pub temperature: Option<TemperatureRecord>,
+    /// Of elastic solids.
+    pub largest_stretch: Option<f64>,
 }
 
 impl FlowTally {
@@ -149,6 +155,10 @@ impl FlowTally {
         self.largest_mach = self.largest_mach.max(other.largest_mach);
         self.largest_density_change = self.largest_density_change.max(other.largest_density_change);
         self.momentum_drift = match (self.momentum_drift, other.momentum_drift) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+        self.largest_stretch = match (self.largest_stretch, other.largest_stretch) {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
         };
@@ -204,6 +214,17 @@ impl<'p> Ready<'p> {
             Ready::Line(ready) => ready.fluid(),
             Ready::Plane(ready) => ready.fluid(),
             Ready::Space(ready) => ready.fluid(),
+        }
+    }
+
+    /// The elastic solids and their numbers.
+    #[must_use]
+    pub fn solids(&self) -> Vec<SolidRecord> {
+        match self {
+            Ready::Compartments(_) => Vec::new(),
+            Ready::Line(ready) => ready.solids(),
+            Ready::Plane(ready) => ready.solids(),
+            Ready::Space(ready) => ready.solids(),
         }
     }
 

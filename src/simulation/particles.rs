@@ -4,6 +4,7 @@ mod course;
 mod flows;
 mod numbers;
 mod recording;
+mod solids;
 mod steps;
 
 use super::clock::{Interval, intervals};
@@ -24,7 +25,9 @@ use crate::plan::{ParticlePlan, Plan};
 use crate::quantity::readable::show;
 use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Moment, Observed};
-use crate::scene::Scene;
+
+use crate::scene::{AT_A_TIME, Moving, Scene};
+use crate::solid::StepLimit;
 use recording::{Frame, Player, Title};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -39,14 +42,16 @@ pub struct Ready<'p, const D: usize> {
     chemistry_step: f64,
     chemistry_limit: String,
     fluid: Option<(f64, String)>,
+    /// Longest steps of the elastic solids, in the order of the model.
+    solid_steps: Vec<StepLimit>,
     clock: Vec<Interval>,
     fluid_seconds: f64,
     /// Error of splitting and the time over which it was found, s.
     splitting: Option<(SplittingError, f64)>,
     /// Of the flow, m/s.
     sound_speed: f64,
-    /// The settled flow, until the first realizations take it.
-    fresh: Mutex<Option<Flow<D>>>,
+    /// The settled flow and the solids, until the first realizations take them.
+    fresh: Mutex<Option<Moving<D>>>,
 }
 
 impl<'p, const D: usize> Ready<'p, D> {
@@ -88,6 +93,11 @@ impl<'p, const D: usize> Ready<'p, D> {
             check_steps(place, "fluid", limit.seconds, &limit.limited_by, duration)?;
             fluid = Some((limit.seconds, limit.limited_by));
         }
+        let solid_steps = scene.solid_steps();
+        let solid = shortest(&solid_steps);
+        if let Some(limit) = solid {
+            check_steps(&plan.model.places.run, "solid", limit.seconds, &limit.limited_by, until)?;
+        }
         if player.is_none() {
             scene.look();
         }
@@ -126,13 +136,17 @@ impl<'p, const D: usize> Ready<'p, D> {
             check_steps(&plan.model.places.chemistry, "chemistry", step, &limit, until)?;
             let clock = match &player {
                 Some(player) => recorded(plan, &player.title, (step, &limit))?,
-                None => intervals(&plan.model.output.times, step, fluid.as_ref().map(|f| f.0)),
+                None => {
+                    // Solids that no fluid moves go several of their own steps at a time.
+                    let motion = fluid.as_ref().map(|f| f.0).or(solid.map(|limit| AT_A_TIME * limit.seconds));
+                    intervals(&plan.model.output.times, step, motion)
+                }
             };
             let splitting = estimate(plan, &scene, &frozen, &start, &clock);
             (step, limit, clock, splitting)
         };
         let sound_speed = scene.flow.as_ref().map_or(0.0, Flow::sound_speed);
-        let fresh = Mutex::new(scene.flow.take());
+        let fresh = Mutex::new(Some(scene.take_motion()));
         Ok(Ready {
             plan,
             scene,
@@ -141,6 +155,7 @@ impl<'p, const D: usize> Ready<'p, D> {
             chemistry_step,
             chemistry_limit,
             fluid,
+            solid_steps,
             clock,
             fluid_seconds,
             splitting,
@@ -169,11 +184,16 @@ impl<'p, const D: usize> Ready<'p, D> {
             return self.run_events(realizations, method, watch, keep);
         }
         let replayed = matches!(self.plan.model.flow, Some(FlowFile::Replay(_)));
-        match (self.fluid.is_some() || replayed, self.plan.model.flows_differ()) {
+        match (self.moves() || replayed, self.plan.model.flows_differ()) {
             (true, false) => self.run_on_flow(realizations, watch, keep),
             (true, true) => self.run_on_flows(realizations, watch, keep),
             (false, _) => self.run_at_rest(realizations, watch, keep),
         }
+    }
+
+    /// Whether a fluid or solids move.
+    pub(super) fn moves(&self) -> bool {
+        self.fluid.is_some() || !self.solid_steps.is_empty()
     }
 
     /// Time spent to let the flow settle, s.
@@ -220,7 +240,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         }
         let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).take();
         match fresh {
-            Some(flow) => Ok(Some(Scene::at_rest(self.scene.plan).with_flow(Some(flow)))),
+            Some(moving) => Ok(Some(Scene::at_rest(self.scene.plan).with_motion(moving))),
             None => settled(self.scene.plan, 0, watch),
         }
     }
@@ -229,6 +249,11 @@ impl<'p, const D: usize> Ready<'p, D> {
     fn groups(&self) -> Vec<usize> {
         self.scene.plan.home.iter().map(|&home| usize::from(home)).collect()
     }
+}
+
+/// The shortest of steps.
+fn shortest(steps: &[StepLimit]) -> Option<&StepLimit> {
+    steps.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds))
 }
 
 /// The clock of a recorded flow, if a chemistry whose step is at most `step` (s; and what limits it) can go by it.

@@ -71,6 +71,7 @@ pub(super) struct Strain<const D: usize> {
 }
 
 /// An elastic solid in motion.
+#[derive(Clone)]
 pub struct Elastic<const D: usize> {
     pub(super) places: Vec<Vector<D>>,
     pub(super) volumes: Vec<f64>,
@@ -99,7 +100,7 @@ pub struct Elastic<const D: usize> {
 }
 
 /// What is counted over the steps.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tally {
     pub particle_steps: u64,
     pub bond_evaluations: u64,
@@ -134,7 +135,7 @@ impl<const D: usize> Elastic<D> {
             steps: 0,
             tally: Tally::default(),
         };
-        solid.drive();
+        solid.drive(0.0);
         solid.strain()?;
         solid.pull();
         Ok(solid)
@@ -164,6 +165,18 @@ impl<const D: usize> Elastic<D> {
         &self.places
     }
 
+    /// What the particles fill at rest, m^D.
+    #[must_use]
+    pub fn volumes(&self) -> &[f64] {
+        &self.volumes
+    }
+
+    /// Whether particle `i` is held or driven.
+    #[must_use]
+    pub fn is_held(&self, i: usize) -> bool {
+        !matches!(self.holds[i], Hold::Free)
+    }
+
     /// m/s.
     #[must_use]
     pub fn velocities(&self) -> &[Vector<D>] {
@@ -177,6 +190,12 @@ impl<const D: usize> Elastic<D> {
             Hold::Free => (self.forces[i] + self.loads[i]) / self.mass(i) + self.options.body_force,
             _ => Vector::zeros(),
         }
+    }
+
+    /// kg/m³ at rest.
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        self.material.density
     }
 
     /// Mass of particle `i` without what has grown, kg per unit thickness.
@@ -224,6 +243,16 @@ impl<const D: usize> Elastic<D> {
     pub(super) fn consist(&mut self, skin: &[Vector<D>]) {
         self.bonds.consist(&self.volumes, skin);
         self.fits = vec![Matrix::identity(); self.places.len()];
+    }
+
+    /// Forces anew, with the softness of now.
+    ///
+    /// # Errors
+    /// As [`Elastic::step`].
+    pub fn renew(&mut self) -> Result<(), RunError> {
+        self.strain()?;
+        self.pull();
+        Ok(())
     }
 
     /// Time, s.

@@ -15,30 +15,40 @@
 //! | [`growth`], [`insert`] | irreversible growth along a wall; new columns where it gets sparse |
 //! | [`vessel`] | a wall always in equilibrium, as it softens and grows |
 //! | [`outline`], [`hull`], [`breach`] | length, width and curvature of a projection; convex hulls; ways out |
+//! | [`jaumann`], `nearby` | the updated-Lagrangian form, for comparison; neighbours of particles that move |
+//! | [`state`] | what must be kept to go on later |
 
 pub mod bonds;
 pub mod breach;
-pub mod elastic;
+#[cfg(test)]
+mod cases;
 mod consistent;
+pub mod elastic;
 mod force;
 pub mod growth;
 pub mod hull;
 pub mod insert;
+pub mod jaumann;
 pub mod limit;
 pub mod material;
 pub mod measure;
+mod nearby;
 pub mod outline;
 pub mod recover;
 pub mod relax;
 pub mod shell;
+pub mod state;
 mod step;
 pub mod surface;
 pub mod turgor;
 pub mod vessel;
 
 pub use elastic::{Elastic, Hold, Options, Setup};
+pub use jaumann::{Form, Jaumann, JaumannState};
+pub use limit::StepLimit;
 pub use material::{Law, Material};
 pub use relax::{Relaxation, Relaxed};
 pub use shell::Wall;
+pub use state::ElasticState;
 pub use turgor::Turgor;
 pub use vessel::{Growth, Vessel};

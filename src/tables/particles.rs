@@ -2,7 +2,7 @@
 
 use super::frame::{self, Table};
 use crate::error::RunError;
-use crate::record::PARTICLE_COLUMNS;
+use crate::record::{PARTICLE_COLUMNS, SOLID_COLUMNS};
 use crate::samples::ParticleFrame;
 use polars::prelude::*;
 use std::path::{Path, PathBuf};
@@ -20,11 +20,16 @@ pub fn write_particles(
     frames: &[ParticleFrame],
 ) -> Result<(), RunError> {
     let path = dir.join(format!("tables/particles/realization={realization:04}/part-{part:05}.parquet"));
-    if let Some(name) = species.iter().find(|s| PARTICLE_COLUMNS.contains(&s.as_str())) {
+    if let Some(name) = species.iter().find(|s| is_taken(s)) {
         let reason = format!("species {name} has the name of another column; rename it");
         return Err(RunError::File { path: path.display().to_string(), reason });
     }
     frame::write_frames(&path, frames.iter().map(|f| row_group(species, f)))
+}
+
+/// Whether a column is none of a species.
+fn is_taken(name: &str) -> bool {
+    PARTICLE_COLUMNS.contains(&name) || SOLID_COLUMNS.contains(&name)
 }
 
 fn row_group(species: &[String], f: &ParticleFrame) -> PolarsResult<DataFrame> {
@@ -45,6 +50,11 @@ fn row_group(species: &[String], f: &ParticleFrame) -> PolarsResult<DataFrame> {
         frame::reals("volume_fraction", f.volume_fraction.clone()),
         frame::reals("volume", f.volume.clone()),
     ];
+    for (name, values) in SOLID_COLUMNS.iter().zip([&f.stress, &f.stretch]) {
+        if !values.is_empty() {
+            columns.push(frame::reals(name, values.clone()));
+        }
+    }
     for (name, amount) in species.iter().zip(&f.amounts) {
         columns.push(frame::reals(name, amount.clone()));
     }
@@ -79,8 +89,16 @@ pub fn list_particles(dir: &Path) -> Vec<(u32, u32, PathBuf)> {
 /// [`RunError::File`] if the file or a column is missing.
 pub fn read_particles(path: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), RunError> {
     let table = Table::read(path)?;
-    let species: Vec<String> =
-        table.names().into_iter().filter(|n| !PARTICLE_COLUMNS.contains(&n.as_str())).collect();
+    let species: Vec<String> = table.names().into_iter().filter(|n| !is_taken(n)).collect();
+    let has = |name: &&str| table.names().iter().any(|known| known == name);
+    let solid = SOLID_COLUMNS
+        .iter()
+        .filter(|name| has(name))
+        .map(|name| table.reals(name))
+        .collect::<Result<Vec<_>, _>>()?;
+    let of_solid = |k: usize, range: std::ops::Range<usize>| {
+        solid.get(k).map_or(Vec::new(), |values| values[range].to_vec())
+    };
     let time = table.reals("time")?;
     let (groups, group) = frame::index_of_names(&table.text("group")?);
     let n = PARTICLE_COLUMNS[3..].iter().map(|name| table.reals(name)).collect::<Result<Vec<_>, _>>()?;
@@ -100,6 +118,8 @@ pub fn read_particles(path: &Path) -> Result<(Vec<String>, Vec<ParticleFrame>), 
             pressure: n[7][start..end].to_vec(),
             volume_fraction: n[8][start..end].to_vec(),
             volume: n[9][start..end].to_vec(),
+            stress: of_solid(0, start..end),
+            stretch: of_solid(1, start..end),
             amounts: amounts.iter().map(|a| a[start..end].to_vec()).collect(),
         });
         start = end;
@@ -124,6 +144,8 @@ mod tests {
             pressure: vec![0.5, -0.5],
             volume_fraction: vec![0.0, 1.0],
             volume: vec![1e-18; 2],
+            stress: vec![0.0, 2e5],
+            stretch: vec![1.0, 1.25],
             amounts: vec![vec![7.0, 8.0]],
         };
         let frames = vec![at(0.0), at(1.0)];

@@ -3,7 +3,10 @@
 //! The cases are the models that are shipped, changed only by values a user could give with `--set`.
 
 mod annihilation;
+mod beam_modes;
+mod beams;
 mod bessel;
+mod cantilever;
 mod cavity;
 mod compact;
 mod compartments;
@@ -150,6 +153,16 @@ pub const CASES: &[Case] = &[
         name: "spinning_cylinder",
         what: "spin-up of the fluid inside a cylinder that starts to turn",
         run: cylinder::spin_up,
+    },
+    Case {
+        name: "cantilever",
+        what: "clamped plate that swings, 10 and 20 across (--full: 30, ten large swings, the form of Jaumann)",
+        run: cantilever::plate,
+    },
+    Case {
+        name: "beam_modes",
+        what: "a slender, a free and a doubly clamped beam, a second mode, one in space (--full: finer)",
+        run: beam_modes::beams,
     },
     Case {
         name: "thermostat",

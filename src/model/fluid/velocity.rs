@@ -38,7 +38,12 @@ impl Velocity {
 }
 
 /// `[1 mm/s, 0]`, or expressions of position: `["1 mm/s * sin(2 * pi * y / (1 mm))", 0]`.
-pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults) -> Option<Velocity> {
+pub(in crate::model) fn read(
+    node: &Node,
+    d: usize,
+    network: &Network,
+    faults: &mut Faults,
+) -> Option<Velocity> {
     let items = node.list(faults)?;
     if items.len() != d {
         faults.at(

@@ -212,6 +212,13 @@ impl<const D: usize> Course<'_, '_, D> {
                         if let Some(first) = lifted {
                             self.scene.lift(&first.state.amounts, plan.reactor.species.len());
                         }
+                        if let Some(first) = way.crew.members.first() {
+                            let done: u64 = self.clock[..i].iter().map(|interval| interval.ticks).sum();
+                            let (amounts, species) = (&first.state.amounts, &plan.reactor.species);
+                            if let Err(found) = self.scene.soften(amounts, species, (done + k, time)) {
+                                return Ok(self.failed(found, way));
+                            }
+                        }
                     }
                     let fluid = Instant::now();
                     way.course.chemistry_seconds += (fluid - chemistry).as_secs_f64();
@@ -314,8 +321,13 @@ impl<const D: usize> Course<'_, '_, D> {
 
     /// What the flow says of itself.
     fn book(&self, way: &mut Travelled) {
-        let Some(flow) = &self.scene.flow else { return };
         let course = &mut way.course;
+        if let Some(solids) = self.scene.solid_health() {
+            course.solid_particle_steps = solids.particle_steps;
+            course.bond_evaluations = solids.bond_evaluations;
+            course.flow.largest_stretch = Some(solids.largest_stretch);
+        }
+        let Some(flow) = &self.scene.flow else { return };
         course.particle_steps = flow.particle_steps();
         course.pair_evaluations = flow.pair_evaluations();
         let health = flow.health();
@@ -327,6 +339,7 @@ impl<const D: usize> Course<'_, '_, D> {
             largest_density_change: health.largest_density_change,
             warnings: health.warnings,
             temperature: Some(way.warmth).filter(|warmth| warmth.looks > 0),
+            largest_stretch: course.flow.largest_stretch,
         };
     }
 }

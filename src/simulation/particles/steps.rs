@@ -1,6 +1,6 @@
 //! The chemistry steps on particles: what bounds them, what they cost in accuracy, and how a run tells of them.
 
-use super::{Ready, event_driven};
+use super::{Ready, event_driven, shortest};
 use crate::chemistry::network::{Surface, SurfaceKind};
 use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
 use crate::chemistry::{AVOGADRO, Rate};
@@ -60,7 +60,7 @@ impl<const D: usize> Ready<'_, D> {
         } else {
             format!(
                 "splitting of {}diffusion and reaction: second order in the chemistry step of {}",
-                if self.fluid.is_some() || replayed { "motion, " } else { "" },
+                if self.moves() || replayed { "motion, " } else { "" },
                 show(longest, "s")
             )
         };
@@ -74,6 +74,11 @@ impl<const D: usize> Ready<'_, D> {
                     limited_by.clone()
                 },
             }),
+            solid: shortest(&self.solid_steps).map(|limit| StepRecord {
+                step: limit.seconds,
+                count: (self.plan.model.run.until / limit.seconds).ceil() as u64,
+                limited_by: limit.limited_by.clone(),
+            }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
             approximations: hybrids::approximations(self.plan, Some(in_time), self.splitting.as_ref())
@@ -81,7 +86,7 @@ impl<const D: usize> Ready<'_, D> {
                 .chain(self.scene.plan.weights.caveat().map(String::from))
                 .collect(),
             splitting_error: self.splitting.map(|(error, _)| error.relative),
-            shared_flow: (self.fluid.is_some() || replayed) && !self.plan.model.flows_differ(),
+            shared_flow: (self.moves() || replayed) && !self.plan.model.flows_differ(),
         }
     }
 }

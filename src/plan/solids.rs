@@ -1,0 +1,234 @@
+//! Elastic solids: where their particles are, what they are made of, and what of it cannot be.
+
+use super::particles::narrow;
+use super::{Plan, thickness::thinnest};
+use crate::error::Fault;
+use crate::fluid::Domain;
+use crate::geometry::shape::embed;
+use crate::geometry::{Fill, Lattice, fill};
+use crate::model::fluid::Velocity;
+use crate::model::groups::Group;
+use crate::model::solids::{Form, Placement, Softening};
+use crate::model::{Mechanics, ParticleDomain, SolidModel};
+use crate::quantity::readable::length;
+use crate::solid::{Hold, Options, Setup};
+use crate::vector::Vector;
+use rand::Rng;
+use std::sync::Arc;
+
+/// A solid that is thinner than this many particles bends too easily.
+const FEWEST: f64 = 3.0;
+
+/// An elastic solid of a plan; in the order in which the model describes them.
+#[derive(Clone)]
+pub struct SolidPlan<const D: usize> {
+    pub group: u8,
+    pub name: String,
+    /// Number of its first particle; the others follow.
+    pub first: usize,
+    pub setup: Setup<D>,
+    /// At t = 0.
+    pub velocity: Velocity,
+    pub softening: Option<Softening>,
+    /// Of its particles at rest, m.
+    pub spacing: f64,
+    /// Where it is thinnest, m.
+    pub thickness: f64,
+}
+
+/// Places and volumes of the particles of a solid.
+pub(super) fn places<const D: usize>(
+    solid: &SolidModel,
+    group: &Group,
+    (min, max): (&Vector<D>, &Vector<D>),
+    random: &mut impl Rng,
+) -> Vec<(Vector<D>, f64)> {
+    let region = Fill {
+        shape: &group.shape,
+        without: Vec::new(),
+        lattice: Lattice::Fitted,
+        spacing: solid.spacing,
+        jitter: 0.0,
+    };
+    match solid.placement {
+        Placement::Lattice | Placement::Layers => fill::<D>(&region, min, max, random),
+    }
+}
+
+/// A solid whose particles are `found`, the first of them number `first` of the plan.
+pub(super) fn solid<const D: usize>(
+    domain: &ParticleDomain,
+    solid: &SolidModel,
+    (space, first): (&Domain<D>, usize),
+    found: &[(Vector<D>, f64)],
+    faults: &mut Vec<Fault>,
+) -> SolidPlan<D> {
+    let group = &domain.groups[solid.group];
+    let places: Vec<Vector<D>> = found.iter().map(|(x, _)| *x).collect();
+    let (thickness, at) = thinnest(&group.shape, &places, solid.spacing);
+    check_thickness(domain, solid, (thickness, at), faults);
+    check_unknown(domain, solid, faults);
+    SolidPlan {
+        group: solid.group as u8,
+        name: group.name.clone(),
+        first,
+        setup: Setup {
+            domain: space.clone(),
+            kernel: domain.kernel,
+            cutoff: solid.support * solid.spacing,
+            volumes: found.iter().map(|(_, volume)| *volume).collect(),
+            holds: holds(solid, &places, faults),
+            places,
+            material: solid.material,
+            options: Options {
+                hourglass: solid.hourglass,
+                drag: solid.drag,
+                viscosity: solid.viscosity,
+                ..Options::default()
+            },
+        },
+        velocity: solid.velocity.clone(),
+        softening: solid.softening,
+        spacing: solid.spacing,
+        thickness,
+    }
+}
+
+/// Too few particles across, or so thin that the fluid on one side feels that on the other.
+fn check_thickness(
+    domain: &ParticleDomain,
+    solid: &SolidModel,
+    (thickness, at): (f64, Vector<3>),
+    faults: &mut Vec<Fault>,
+) {
+    let name = &domain.groups[solid.group].name;
+    // Zero up to rounding is zero.
+    let at = |k: usize| if at[k].abs() < 1e-6 * solid.spacing { 0.0 } else { at[k] };
+    let at: Vec<f64> = (0..domain.dimensions).map(at).collect();
+    let at = crate::quantity::readable::show_vector(&at, "m");
+    let across = (thickness / solid.spacing).round();
+    if across < FEWEST {
+        faults.push(Fault::at(
+            &solid.places.spacing,
+            format!(
+                "the elastic solid `{name}` is {} thin at {at}, which is room for {across} of the {FEWEST} particles across that bending needs",
+                length(thickness)
+            ),
+            format!("set solids.{name}.spacing: {} or less, or make it thicker", length(thickness / FEWEST)),
+        ));
+    }
+    let cutoff = domain.support * domain.spacing;
+    if domain.fluid.is_some() && cutoff > thickness * (1.0 + 1e-6) {
+        faults.push(Fault::at(
+            &solid.places.entry,
+            format!(
+                "the fluid on the two sides of `{name}` would feel itself through it: it is {} thin at {at}, and the fluid's kernel reaches {}",
+                length(thickness),
+                length(cutoff)
+            ),
+            format!(
+                "set particles.spacing: {} or less (support {}), or make the solid thicker",
+                length(thickness / domain.support),
+                domain.support
+            ),
+        ));
+    }
+}
+
+/// What the equations at hand do not know.
+fn check_unknown(domain: &ParticleDomain, solid: &SolidModel, faults: &mut Vec<Fault>) {
+    let mut refuse = |place: &crate::error::Place, reason: &str, remedy: &str| {
+        faults.push(Fault::at(place, reason, remedy));
+    };
+    let entry = &solid.places.entry;
+    if solid.form == Form::Jaumann {
+        let place = solid.places.method.as_ref().unwrap_or(entry);
+        refuse(place, "models run total-Lagrangian solids only", "remove `method`");
+    }
+    if solid.placement == Placement::Layers {
+        refuse(entry, "models fill solids with a lattice only", "remove `placement`");
+    }
+    if solid.turgor.is_some() || solid.growth.is_some() {
+        refuse(entry, "models know neither turgor nor growth", "remove them");
+    }
+    if domain.mechanics != Mechanics::Dynamic {
+        refuse(entry, "models know dynamic solids only", "remove `mechanics`");
+    }
+    if domain.fluid.is_some() {
+        refuse(entry, "models know no elastic solids in a fluid", "set fluid: { method: none }");
+    }
+}
+
+/// What holds each particle.
+fn holds<const D: usize>(solid: &SolidModel, places: &[Vector<D>], faults: &mut Vec<Fault>) -> Vec<Hold<D>> {
+    let entry = &solid.places.entry;
+    let mut refuse = |place: Option<&crate::error::Place>, reason: String, remedy: &str| {
+        faults.push(Fault::at(place.unwrap_or(entry), reason, remedy));
+    };
+    let (mut clamped, mut driven, mut both) = (0, 0, None);
+    let mut holds = Vec::with_capacity(places.len());
+    for place in places {
+        let x = embed(place);
+        let is_clamped = solid.clamped.as_ref().is_some_and(|shape| shape.holds(&x));
+        let drive = solid.driven.as_ref().filter(|(shape, _)| shape.holds(&x));
+        clamped += usize::from(is_clamped);
+        driven += usize::from(drive.is_some());
+        holds.push(match (is_clamped, drive) {
+            (true, Some(_)) => {
+                both.get_or_insert(x);
+                Hold::Clamped
+            }
+            (true, None) => Hold::Clamped,
+            (false, Some((_, field))) => {
+                let field = field.clone();
+                Hold::Driven(Arc::new(move |x: &Vector<D>, t| narrow(&field.at(&embed(x), t))))
+            }
+            (false, None) => Hold::Free,
+        });
+    }
+    let words = "make the shape larger: it must hold particles of the solid, which lie half a spacing inside its surface";
+    if solid.clamped.is_some() && clamped == 0 {
+        refuse(solid.places.clamped.as_ref(), "no particle of the solid is in what is clamped".into(), words);
+    }
+    let Some((shape, field)) = &solid.driven else { return holds };
+    let at = solid.places.driven.as_ref();
+    if driven == 0 {
+        refuse(at, "no particle of the solid is in what is driven".into(), words);
+    }
+    if let Some(x) = both {
+        let x = crate::quantity::readable::show_vector(&x.as_slice()[..D], "m");
+        refuse(at, format!("the particle at {x} is clamped and driven"), "let the two shapes not overlap");
+    }
+    let astray = places.iter().map(embed).filter(|x| shape.holds(x)).find(|x| field.at(x, 0.0).norm() != 0.0);
+    if let Some(x) = astray {
+        let u = field.at(&x, 0.0).norm();
+        let x = crate::quantity::readable::show_vector(&x.as_slice()[..D], "m");
+        refuse(
+            at,
+            format!("the displacement is {u:.3e} m at t = 0 at {x}, or no number"),
+            "let it begin at zero, e.g. times (1 - exp(-t / (1 ms)))",
+        );
+    }
+    holds
+}
+
+/// Species that soften a solid in which they cannot be.
+pub(super) fn check_species(plan: &Plan, domain: &ParticleDomain, faults: &mut Vec<Fault>) {
+    for solid in &domain.solids {
+        let by = [
+            solid.softening.map(|softening| softening.species),
+            solid.growth.and_then(|growth| growth.by).map(|(species, _)| species),
+        ];
+        for species in by.into_iter().flatten() {
+            if plan.reactor.habitat[species].holds(solid.group as u8) {
+                continue;
+            }
+            let name = &domain.groups[solid.group].name;
+            faults.push(Fault::at(
+                solid.places.softening.as_ref().unwrap_or(&solid.places.entry),
+                format!("`{}` cannot be in `{name}`, which it is to change", plan.reactor.species[species]),
+                "let the group hold it, and name the group in the species' `only_in` if it has one",
+            ));
+        }
+    }
+}

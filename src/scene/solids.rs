@@ -1,0 +1,276 @@
+//! The elastic solids of a scene that no fluid moves: their steps, what is seen of them, and what softens them.
+
+use super::Scene;
+use crate::chemistry::AVOGADRO;
+use crate::error::RunError;
+use crate::fluid::Snapshot;
+use crate::geometry::shape::embed;
+use crate::plan::{ParticlePlan, SolidPlan};
+use crate::quantity::readable::{show, show_vector};
+use crate::solid::{Elastic, ElasticState, StepLimit};
+use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
+
+/// Steps after which the longest stable one is found again: what is stretched swings faster.
+const RENEWED: u64 = 2000;
+/// Steps between two looks at whether to stop.
+pub const AT_A_TIME: f64 = 64.0;
+
+/// An elastic solid of a scene.
+pub struct SolidBody<const D: usize> {
+    /// Its number among the solids of the plan.
+    pub number: usize,
+    pub group: u8,
+    /// Number of its first particle; the others follow.
+    pub first: usize,
+    pub elastic: Elastic<D>,
+    /// Of the start.
+    limit: StepLimit,
+    pace: Pace,
+}
+
+/// How a solid steps, and the most it was stretched so far.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Pace {
+    /// The longest step, s.
+    longest: f64,
+    /// Steps until it is found again.
+    left: u64,
+    largest_stretch: f64,
+    steps: u64,
+}
+
+/// What must be kept of a solid to go on with it later.
+#[derive(Serialize, Deserialize)]
+pub struct SolidImage<'a, const D: usize> {
+    elastic: ElasticState<'a, D>,
+    pace: Pace,
+}
+
+/// What solids have come to so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolidHealth {
+    pub largest_stretch: f64,
+    pub particle_steps: u64,
+    pub bond_evaluations: u64,
+    /// Steps of the solid that took most.
+    pub steps: u64,
+}
+
+impl<const D: usize> SolidBody<D> {
+    /// The solid of a plan at t = 0.
+    ///
+    /// # Errors
+    /// A solid that cannot be built.
+    pub fn new(plan: &SolidPlan<D>, number: usize) -> Result<SolidBody<D>, RunError> {
+        let mut elastic = Elastic::new(plan.setup.clone())?;
+        if !plan.velocity.is_zero() {
+            elastic.set_velocity(|x| {
+                let velocity = plan.velocity.at(&embed(x));
+                Vector::from_fn(|k, _| velocity[k])
+            });
+        }
+        let limit = elastic.limit()?;
+        let pace = Pace { longest: limit.seconds, left: RENEWED, largest_stretch: 1.0, steps: 0 };
+        Ok(SolidBody { number, group: plan.group, first: plan.first, elastic, limit, pace })
+    }
+
+    /// What must be kept to go on later.
+    #[must_use]
+    pub fn image(&self) -> SolidImage<'_, D> {
+        SolidImage { elastic: self.elastic.image(), pace: self.pace }
+    }
+
+    /// Goes back to an image; `None` if it belongs to another solid.
+    #[must_use]
+    pub fn restore(&mut self, image: SolidImage<D>) -> Option<()> {
+        self.pace = image.pace;
+        self.elastic.restore(image.elastic)
+    }
+
+    /// Advances by `duration` (s) in equal steps.
+    fn advance(&mut self, duration: f64) -> Result<(), RunError> {
+        let steps = (duration / self.pace.longest * (1.0 - 1e-9)).ceil().max(1.0);
+        self.elastic.advance(duration, duration / steps * (1.0 + 1e-12))?;
+        self.pace.steps += steps as u64;
+        if steps as u64 >= self.pace.left {
+            self.pace.longest = self.elastic.step_limit()?;
+            self.pace.left = RENEWED;
+        } else {
+            self.pace.left -= steps as u64;
+        }
+        let stretch = (0..self.elastic.len()).map(|i| self.elastic.stretch(i)).fold(0.0, f64::max);
+        self.pace.largest_stretch = self.pace.largest_stretch.max(stretch);
+        Ok(())
+    }
+
+    /// Numbers an error as the particles of the plan are numbered, and says which solid it is.
+    fn named(&self, error: RunError, name: &str) -> RunError {
+        match error {
+            RunError::BlowUp { step, time, particle, quantity, value, remedy } => RunError::BlowUp {
+                step,
+                time,
+                particle: particle + self.first,
+                quantity: format!("{quantity} (solid `{name}`)"),
+                value,
+                remedy,
+            },
+            other => other,
+        }
+    }
+
+    /// Shows places, velocities, volumes, densities and pressures.
+    fn show(&self, plan: &ParticlePlan<D>, snapshot: &mut Snapshot<D>) {
+        for i in 0..self.elastic.len() {
+            let at = self.first + i;
+            let volume = self.elastic.volume(i);
+            snapshot.position[at] = plan.domain.wrap(&self.elastic.position(i));
+            snapshot.velocity[at] = self.elastic.velocities()[i];
+            snapshot.volume[at] = volume;
+            snapshot.density[at] = self.elastic.mass(i) / volume;
+            snapshot.pressure[at] = -self.elastic.stress(i).trace() / 3.0;
+            snapshot.volume_fraction[at] = 1.0;
+        }
+    }
+}
+
+impl<'p, const D: usize> Scene<'p, D> {
+    /// The solids of a plan at t = 0.
+    pub(super) fn build_solids(plan: &'p ParticlePlan<D>) -> Result<Vec<SolidBody<D>>, RunError> {
+        plan.solids.iter().enumerate().map(|(number, solid)| SolidBody::new(solid, number)).collect()
+    }
+
+    /// The longest steps of the solids, in the order of the plan.
+    #[must_use]
+    pub fn solid_steps(&self) -> Vec<StepLimit> {
+        self.solids.iter().map(|body| body.limit.clone()).collect()
+    }
+
+    /// Elastic solid `number` of the plan as it is now.
+    #[must_use]
+    pub fn elastic(&self, number: usize) -> Option<&Elastic<D>> {
+        self.solids.iter().find(|body| body.number == number).map(|body| &body.elastic)
+    }
+
+    /// Advances the solids by `steps` times `dt` (s), or until `stop` says so; how often.
+    pub(super) fn advance_solids(
+        &mut self,
+        dt: f64,
+        steps: u64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<u64, RunError> {
+        // On a thread of the pool from the start, as a flow does.
+        rayon::scope(|_| {
+            for taken in 0..steps {
+                if taken > 0 && stop() {
+                    return Ok(taken);
+                }
+                for body in &mut self.solids {
+                    let name = &self.plan.solids[body.number].name;
+                    body.advance(dt).map_err(|error| body.named(error, name))?;
+                }
+            }
+            Ok(steps)
+        })
+    }
+
+    /// Shows the solids in the snapshot.
+    pub(super) fn show_solids(&mut self) {
+        for body in &self.solids {
+            body.show(self.plan, &mut self.snapshot);
+        }
+    }
+
+    /// A solid that has left the box: molecules in it would be nowhere.
+    pub(super) fn check_solids(&self) -> Result<(), RunError> {
+        for body in &self.solids {
+            let beyond = |i: &usize| self.plan.domain.is_beyond(&body.elastic.position(*i));
+            let Some(i) = (0..body.elastic.len()).find(beyond) else { continue };
+            let at = show_vector(body.elastic.position(i).as_slice(), "m");
+            return Err(RunError::BlowUp {
+                step: body.pace.steps,
+                time: body.elastic.time(),
+                particle: body.first + i,
+                quantity: format!(
+                    "distance of solid `{}` beyond the box at {at}",
+                    self.plan.solids[body.number].name
+                ),
+                value: outside(&self.plan.domain, &body.elastic.position(i)),
+                remedy: "make the box larger, clamp the solid or move it less".into(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Lets the amounts of a realization (molecules, voxel by voxel of `species`) soften the solids from here on:
+    /// G = G0 (1 - factor c/at). `tick` counts chemistry steps.
+    ///
+    /// # Errors
+    /// A shear modulus that is not positive any more.
+    pub fn soften(
+        &mut self,
+        amounts: &[f64],
+        species: &[String],
+        (tick, time): (u64, f64),
+    ) -> Result<(), RunError> {
+        let (count, volumes) = (species.len(), &self.volumes);
+        for body in &mut self.solids {
+            let plan = &self.plan.solids[body.number];
+            let Some(softening) = plan.softening else { continue };
+            for (i, softness) in body.elastic.softness_mut().iter_mut().enumerate() {
+                let voxel = body.first + i;
+                let concentration = amounts[voxel * count + softening.species] / (AVOGADRO * volumes[voxel]);
+                *softness = 1.0 - softening.factor * concentration / softening.at;
+                if *softness > 0.0 {
+                    continue;
+                }
+                let most = show(softening.at / softening.factor, "mol/m^3");
+                return Err(RunError::BlowUp {
+                    step: tick,
+                    time,
+                    particle: voxel,
+                    quantity: format!(
+                        "shear modulus of solid `{}` over that without `{}`, of which there are {},",
+                        plan.name,
+                        species[softening.species],
+                        show(concentration, "mol/m^3")
+                    ),
+                    value: *softness,
+                    remedy: format!(
+                        "it falls to zero at {most}: make softening.factor smaller or softening.at larger, or keep the concentration below"
+                    ),
+                });
+            }
+            body.elastic.renew()?;
+        }
+        Ok(())
+    }
+
+    /// What the solids have come to so far, if there are any.
+    #[must_use]
+    pub fn solid_health(&self) -> Option<SolidHealth> {
+        let all = self.solids.iter().map(|body| {
+            let tally = body.elastic.tally();
+            SolidHealth {
+                largest_stretch: body.pace.largest_stretch,
+                particle_steps: tally.particle_steps,
+                bond_evaluations: tally.bond_evaluations,
+                steps: body.pace.steps,
+            }
+        });
+        all.reduce(|a, b| SolidHealth {
+            largest_stretch: a.largest_stretch.max(b.largest_stretch),
+            particle_steps: a.particle_steps + b.particle_steps,
+            bond_evaluations: a.bond_evaluations + b.bond_evaluations,
+            steps: a.steps.max(b.steps),
+        })
+    }
+}
+
+/// How far a place lies beyond the sides of a box, m.
+fn outside<const D: usize>(domain: &crate::space::Domain<D>, x: &Vector<D>) -> f64 {
+    (0..D)
+        .filter(|&k| !domain.periodic[k])
+        .map(|k| (domain.min[k] - x[k]).max(x[k] - domain.max[k]))
+        .fold(0.0, f64::max)
+}
