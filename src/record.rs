@@ -2,8 +2,10 @@
 //!
 //! `report` reads this file and the tables, nothing else, so that figures can be drawn again at any time.
 
+mod solids;
 mod sweep;
 
+pub use solids::SolidRecord;
 pub use sweep::{PointRecord, SWEEP_COLUMNS, SweepRecord, SweptRecord};
 
 use serde::{Deserialize, Serialize};
@@ -65,6 +67,9 @@ pub struct RunRecord {
     /// What flows, if anything does.
     #[serde(default)]
     pub fluid: Option<FluidRecord>,
+    /// Elastic solids.
+    #[serde(default)]
+    pub solids: Vec<SolidRecord>,
     pub steps: StepsRecord,
     /// If the run went on until a number was known well enough.
     #[serde(default)]

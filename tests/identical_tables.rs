@@ -44,11 +44,37 @@ output:
   probes: { diagonal: { line: { from: [0, 0, 0], to: [3 um, 3 um, 3 um], points: 11 } } }
 ";
 
+/// One motion for all realizations.
+const SOLID: &str = "name: solid
+reactions:
+  species: { A: { diffusion: 100 um^2/s } }
+  reactions: { make: { equation: 0 <-> A, rate: 20 uM/s, reverse: 10 1/s } }
+domain: { kind: particles, dimensions: 2, min: [-4 um, -10 um], max: [30 um, 14 um] }
+particles: { spacing: 0.5 um, support: 2 }
+groups:
+  bar: { material: solid, shape: { box: { min: [-2 um, 0], max: [20 um, 4 um] } } }
+solids:
+  bar:
+    density: 1000 kg/m^3
+    bulk_modulus: 2 kPa
+    shear_modulus: 500 Pa
+    velocity: [0, \"1000 s^-1 * x\"]
+    clamped: { box: { min: [-2 um, 0], max: [0, 4 um] } }
+initial: { bar: { A: { concentration: 2 uM, deal: poisson } } }
+run: { until: 0.1 ms, realizations: 8, seed: 5 }
+output:
+  every: 10 us
+  particles: { times: [0, 0.1 ms], realizations: 2 }
+  points: { tip: { solid: bar, at: [20 um, 2 um] } }
+";
+
 fn model(name: &str) -> String {
     match name {
         "well_mixed" => WELL_MIXED.into(),
         "graph" => GRAPH.into(),
         "space" => SPACE.into(),
+        "solid" => SOLID.into(),
+        "softened" => SOLID.replace("    velocity", "    softening: { by: A, factor: 0.2, at: 2 uM }\n    velocity"),
         "events" => SPACE.replace("fluid:", "chemistry: { method: composition_rejection }\nfluid:"),
         "leaps" => GRAPH.replace("domain:", "chemistry: { method: tau_leaping }\ndomain:"),
         "hybrid" => GRAPH
@@ -100,7 +126,9 @@ fn any_number_of_threads(
         "leaps",
         "hybrid",
         "surfaces",
-        "hybrid_channel"
+        "hybrid_channel",
+        "solid",
+        "softened"
     )]
     name: &str,
 ) {
@@ -124,7 +152,9 @@ fn blocks_joined(
         "leaps",
         "hybrid",
         "surfaces",
-        "hybrid_channel"
+        "hybrid_channel",
+        "solid",
+        "softened"
     )]
     name: &str,
 ) {

@@ -71,6 +71,35 @@ output:
 /// The same with thermal noise: each realization on a flow of its own.
 const NOISE: (&str, &str) = ("speed: 1 mm/s }", "speed: 1 mm/s, temperature: 300 K }");
 
+/// A solid that swings, softened by a species whose molecules differ between the realizations.
+const SOLID: &str = "\
+name: solid
+reactions:
+  species: { A: { diffusion: 100 um^2/s } }
+  reactions: { make: { equation: 0 <-> A, rate: 20 uM/s, reverse: 10 1/s } }
+domain: { kind: particles, dimensions: 2, min: [-4 um, -10 um], max: [30 um, 14 um] }
+particles: { spacing: 0.5 um, support: 2 }
+groups:
+  bar: { material: solid, shape: { box: { min: [-2 um, 0], max: [20 um, 4 um] } } }
+solids:
+  bar:
+    density: 1000 kg/m^3
+    bulk_modulus: 2 kPa
+    shear_modulus: 500 Pa
+    drag: 100 1/s
+    viscosity: 1e-5 Pa s
+    law: neo_hookean
+    velocity: [0, \"1000 s^-1 * x\"]
+    clamped: { box: { min: [-2 um, 0], max: [0, 4 um] } }
+    softening: { by: A, factor: 0.2, at: 2 uM }
+initial: { bar: { A: { concentration: 2 uM, deal: poisson } } }
+run: { until: 2 ms, realizations: 4, seed: 5, checkpoint_every: 50 ms }
+output:
+  every: 10 us
+  particles: { every: 0.2 ms, realizations: 2 }
+  points: { tip: { solid: bar, at: [20 um, 2 um] } }
+";
+
 struct Case {
     folder: TempDir,
     name: &'static str,
@@ -174,10 +203,11 @@ fn what_was_killed_is_resumed_to_the_same_bytes() {
         ("graph", GRAPH, "1"),
         ("channel", CHANNEL, "2"),
         ("noise", noisy.as_str(), "2"),
+        ("solid", SOLID, "2"),
     ];
     for (k, (name, model, threads)) in cases.into_iter().enumerate() {
         let case = Case { folder: TempDir::new().unwrap(), name, threads };
-        let share = kills / 4 + u32::from((k as u32) < kills % 4);
+        let share = kills / 5 + u32::from((k as u32) < kills % 5);
         killed(&case, model, share, &mut random);
     }
 }

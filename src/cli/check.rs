@@ -8,8 +8,8 @@ use crate::model::load::{self, Document};
 use crate::model::{Domain, Model, Sweep};
 use crate::plan::Plan;
 use crate::plan::limits::estimate;
-use crate::quantity::readable::{show, significant};
-use crate::record::FluidRecord;
+use crate::quantity::readable::{length, show, significant};
+use crate::record::{FluidRecord, RunRecord, SolidRecord};
 use crate::simulation::Ready;
 use std::fmt::Write;
 use std::path::Path;
@@ -18,6 +18,8 @@ use std::path::Path;
 /// round figures of a common machine, for the estimate of the run time only.
 const PAIRS_PER_SECOND: f64 = 5e7;
 const VOXEL_STEPS_PER_SECOND: f64 = 3e6;
+/// Particles of elastic solids that a core takes a step in a second.
+const SOLID_STEPS_PER_SECOND: f64 = 1.5e7;
 
 /// Checks a file and prints its plan.
 pub(crate) fn check(file: &Path, overrides: &[String]) -> Result<(), Stop> {
@@ -139,6 +141,9 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
             line(words);
         }
     }
+    for solid in &record.solids {
+        solid_words(solid).into_iter().for_each(&mut line);
+    }
     line("\nat the start".to_string());
     let amounts = ready.amounts(plan);
     if amounts.is_empty() {
@@ -148,7 +153,11 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
         line(format!("  {group:<12} {species:<12} {} molecules", significant(amount, 7)));
     }
     line(format!("\nmethod: {}", record.steps.method));
-    for (what, step) in [("fluid", &record.steps.fluid), ("chemistry", &record.steps.chemistry)] {
+    for (what, step) in [
+        ("fluid", &record.steps.fluid),
+        ("solid", &record.steps.solid),
+        ("chemistry", &record.steps.chemistry),
+    ] {
         if let Some(step) = step {
             line(format!(
                 "  {what} step {}, {} steps, limited by {}",
@@ -176,7 +185,7 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
         show(plan.model.run.until, "s"),
         plan.model.output.times.len(),
         (rough.bytes / 1e6).max(30.0),
-        run_time(plan, &record.steps, rough.voxels, rough.neighbours)
+        run_time(plan, &record, rough.voxels, rough.neighbours)
     ));
     text
 }
@@ -219,8 +228,44 @@ fn flow(fluid: &FluidRecord, plan: &Plan) -> Vec<String> {
     lines
 }
 
+/// The numbers of an elastic solid.
+fn solid_words(solid: &SolidRecord) -> Vec<String> {
+    let mut lines = vec![
+        format!(
+            "\nelastic solid {}: {}, {}, density {}",
+            solid.name,
+            solid.law.replace('_', " "),
+            solid.method.replace('_', " "),
+            show(solid.density, "kg/m^3")
+        ),
+        format!(
+            "  {} particles, spacing {}; {} thin, {} particles across; {} clamped, {} driven",
+            solid.particles,
+            length(solid.spacing),
+            length(solid.thickness),
+            significant(solid.thickness / solid.spacing, 3),
+            solid.clamped,
+            solid.driven
+        ),
+        format!(
+            "  K {}, G {} (E {}, Poisson ratio {}); sound speed {}",
+            show(solid.bulk_modulus, "Pa"),
+            show(solid.shear_modulus, "Pa"),
+            show(solid.youngs_modulus, "Pa"),
+            significant(solid.poisson_ratio, 4),
+            show(solid.sound_speed, "m/s")
+        ),
+        format!("  longest step {}, limited by {}", show(solid.step, "s"), solid.limited_by),
+    ];
+    if !solid.softening.is_empty() {
+        lines.push(format!("  softened: {}", solid.softening));
+    }
+    lines
+}
+
 /// An estimate of the run time on this machine, where the steps are known beforehand.
-fn run_time(plan: &Plan, steps: &crate::record::StepsRecord, voxels: f64, neighbours: f64) -> String {
+fn run_time(plan: &Plan, record: &RunRecord, voxels: f64, neighbours: f64) -> String {
+    let steps = &record.steps;
     if !matches!(plan.model.domain, Domain::Particles(_)) {
         return String::new();
     }
@@ -228,6 +273,9 @@ fn run_time(plan: &Plan, steps: &crate::record::StepsRecord, voxels: f64, neighb
     let flows = if plan.model.flows_differ() { f64::from(plan.model.run.realizations) } else { 1.0 };
     let fluid = flows
         * steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
+    let solids: f64 = record.solids.iter().map(|solid| solid.particles as f64).sum();
+    let fluid = fluid
+        + flows * steps.solid.as_ref().map_or(0.0, |s| s.count as f64 * solids / SOLID_STEPS_PER_SECOND);
     let chemistry = steps.chemistry.as_ref().map_or(0.0, |s| {
         s.count as f64 * voxels * f64::from(plan.model.run.realizations) / VOXEL_STEPS_PER_SECOND
     });

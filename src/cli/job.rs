@@ -110,7 +110,7 @@ fn announce(plan: &Plan, record: &RunRecord, job: &Job) {
         );
     }
     let steps = &record.steps;
-    for (what, step) in [("fluid", &steps.fluid), ("chemistry", &steps.chemistry)] {
+    for (what, step) in [("fluid", &steps.fluid), ("solid", &steps.solid), ("chemistry", &steps.chemistry)] {
         if let Some(step) = step {
             tell!("  {what} step {:.3e} s, limited by {}", step.step, step.limited_by);
         }

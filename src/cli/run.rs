@@ -203,7 +203,7 @@ fn finish(
         }
         let p = &record.performance;
         tell!(
-            "done in {:.1} s: fluid {:.1} s, chemistry {:.1} s; {} reactions, {} hops; report: {}",
+            "done in {:.1} s: motion {:.1} s, chemistry {:.1} s; {} reactions, {} hops; report: {}",
             p.wall_seconds,
             p.fluid_seconds,
             p.chemistry_seconds,

@@ -66,6 +66,7 @@ pub fn record(plan: &Plan, block: &Range<u32>, ready: &Ready, threads: usize) ->
             })
             .collect(),
         fluid: ready.fluid(),
+        solids: ready.solids(),
         steps: ready.steps(),
         precision: None,
         hybrid: Vec::new(),

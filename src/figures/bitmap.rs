@@ -45,7 +45,10 @@ fn paint(area: &Sheet<'_>, mark: &Mark) -> Result<(), String> {
                 let dashes = plotters::element::DashedPathElement::new(path, 12, 8, style);
                 area.draw(&dashes).map_err(|e| e.to_string())
             } else {
-                area.draw(&PathElement::new(path, style)).map_err(|e| e.to_string())
+                pieces(&path)
+                    .into_iter()
+                    .try_for_each(|piece| area.draw(&PathElement::new(piece.to_vec(), style)))
+                    .map_err(|e| e.to_string())
             }
         }
         Mark::Area { points, colour } => {
@@ -78,6 +81,22 @@ fn paint(area: &Sheet<'_>, mark: &Mark) -> Result<(), String> {
             area.draw(&Text::new(text.as_str(), pixel(at), style)).map_err(|e| e.to_string())
         }
     }
+}
+
+/// A line cut where it turns back sharply: plotters would draw a spike there.
+fn pieces(path: &[(i32, i32)]) -> Vec<&[(i32, i32)]> {
+    let (mut found, mut start) = (Vec::new(), 0);
+    for (k, three) in path.windows(3).enumerate() {
+        let way = |a: (i32, i32), b: (i32, i32)| (f64::from(b.0 - a.0), f64::from(b.1 - a.1));
+        let (one, next) = (way(three[0], three[1]), way(three[1], three[2]));
+        let along = one.0 * next.0 + one.1 * next.1;
+        if along < -0.5 * one.0.hypot(one.1) * next.0.hypot(next.1) {
+            found.push(&path[start..k + 2]);
+            start = k + 1;
+        }
+    }
+    found.push(&path[start..]);
+    found
 }
 
 fn pixel([x, y]: [f64; 2]) -> (i32, i32) {

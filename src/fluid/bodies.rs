@@ -1,6 +1,7 @@
 //! The free bodies of a flow: what they weigh, what the fluid does to them, and what they must not run into.
 
 use crate::error::RunError;
+use crate::fluid::elastic::Coupled;
 use crate::fluid::flow::Flow;
 use crate::fluid::motion::Motion;
 use crate::fluid::pass::Pair;
@@ -54,6 +55,30 @@ impl<const D: usize> Flow<D> {
         }
     }
 
+    fn each_elastic(&mut self, mut act: impl FnMut(&mut Coupled<D>)) {
+        for body in &mut self.bodies {
+            if let BodyKind::Solid { motion: Motion::Elastic(coupled), .. } = &mut body.kind {
+                act(coupled);
+            }
+        }
+    }
+
+    /// The elastic solids with their bodies, in the order of the setup.
+    pub fn elastic_bodies(&self) -> impl Iterator<Item = (u8, &Coupled<D>)> + '_ {
+        self.bodies.iter().zip(0_u8..).filter_map(|(body, number)| match &body.kind {
+            BodyKind::Solid { motion: Motion::Elastic(coupled), .. } => Some((number, &**coupled)),
+            _ => None,
+        })
+    }
+
+    /// The elastic solid of a body, to be softened or grown.
+    pub fn elastic_body_mut(&mut self, body: u8) -> Option<&mut Coupled<D>> {
+        match self.bodies.get_mut(usize::from(body)).map(|body| &mut body.kind) {
+            Some(BodyKind::Solid { motion: Motion::Elastic(coupled), .. }) => Some(coupled),
+            _ => None,
+        }
+    }
+
     /// Mass and inertia of the free bodies from their particles.
     pub(super) fn weigh_bodies(&mut self) {
         for number in 0..self.bodies.len() {
@@ -68,29 +93,69 @@ impl<const D: usize> Flow<D> {
                 rigid.weigh(&own, &self.domain);
                 self.asks[number] = true;
             }
+            if let BodyKind::Solid { motion: Motion::Elastic(coupled), surface, .. } =
+                &mut self.bodies[number].kind
+            {
+                if let Some(surface) = surface {
+                    coupled.find_faces(surface, &self.domain);
+                }
+                self.asks[number] = true;
+            }
         }
     }
 
-    /// Free bodies rest where they are.
+    /// Free and elastic bodies rest where they are.
     pub(super) fn hold_bodies(&mut self) {
         self.each_free(Rigid::hold);
+        self.each_elastic(Coupled::hold);
     }
 
-    /// Free bodies begin to move.
+    /// Free and elastic bodies begin to move.
     pub(super) fn release_bodies(&mut self) {
         self.each_free(Rigid::release);
+        self.each_elastic(Coupled::release);
     }
 
-    /// The first half kick and the drift of the free bodies.
-    pub(super) fn kick_and_drift_bodies(&mut self, dt: f64) {
+    /// The first half kick and the drift of the free and elastic bodies.
+    pub(super) fn kick_and_drift_bodies(&mut self, dt: f64) -> Result<(), RunError> {
         self.each_free(|rigid| {
             rigid.kick(dt);
             rigid.drift(dt);
         });
+        let (mut fault, step) = (Ok(()), self.steps);
+        self.each_elastic(|coupled| {
+            coupled.kick(dt);
+            if fault.is_ok() {
+                fault = coupled.drift(dt);
+            }
+        });
+        fault.map_err(|fault| match fault {
+            // In steps of the fluid; the particle is that of the solid.
+            RunError::BlowUp { time, particle, quantity, value, remedy, .. } => {
+                RunError::BlowUp { step, time, particle, quantity, value, remedy }
+            }
+            other => other,
+        })
+    }
+
+    /// The forces of the fluid on the elastic solids and their weight, from the reactions just summed.
+    fn load_elastic(&mut self) {
+        let gravity = self.setup.gravity;
+        for &i in &self.solids {
+            let (side, rates) = (&self.sides[i as usize], &self.rates[i as usize]);
+            let kind = &mut self.bodies[usize::from(side.body)].kind;
+            if let BodyKind::Solid { motion: Motion::Elastic(coupled), .. } = kind {
+                let row = self.rows[side.id as usize] as usize;
+                let solid = coupled.solid_mut();
+                let weight = gravity * solid.mass(row);
+                solid.loads_mut()[row] = rates.force * side.volume + weight;
+            }
+        }
     }
 
     /// Force and torque on the free bodies from the reactions just summed.
     pub(super) fn load_bodies(&mut self, dt: f64) {
+        self.load_elastic();
         if !self.bodies.iter().any(|body| body.is_free()) {
             return;
         }
@@ -132,14 +197,16 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    /// The fastest rate at which friction takes velocity or spin from a free body, 1/s; with the fluid at rest, to which
+    /// The fastest rate at which friction takes velocity or spin from a free body or a particle of an elastic one, 1/s; with the fluid at rest, to which
     /// the body shows its velocity [`SHOWN`] times. Zero without one.
     pub(super) fn friction_rate_of_bodies(&self) -> f64 {
-        if !self.bodies.iter().any(Body::is_free) {
+        if !self.bodies.iter().any(|body| body.is_free() || body.is_elastic()) {
             return 0.0;
         }
         let (a, makeup) = (self.terms.viscosity.a::<D>(), self.terms.makeup());
         let mut sums = vec![(0.0, 0.0); self.bodies.len()];
+        // Of each particle of an elastic body; those that are held have no rate.
+        let mut shaken = vec![0.0; self.sides.len()];
         for block in &self.blocks {
             for (row, near) in block.near_solid.iter().enumerate() {
                 let side = &self.sides[block.first + row];
@@ -149,18 +216,26 @@ impl<const D: usize> Flow<D> {
                 for c in block.row(row) {
                     let solid = &self.sides[c.j as usize];
                     let number = usize::from(solid.body);
-                    let BodyKind::Solid { motion: Motion::Free(rigid), .. } = &self.bodies[number].kind
-                    else {
-                        continue;
-                    };
+                    let BodyKind::Solid { motion, .. } = &self.bodies[number].kind else { continue };
                     let pair = Pair::new(&c);
-                    let rub = SHOWN
-                        * a
-                        * self.terms.rub::<true>(makeup, &pair, side, solid)
-                        * side.volume
-                        * solid.volume;
-                    sums[number].0 += rub;
-                    sums[number].1 += rub * rigid.arm(&self.positions[c.j as usize]).norm_squared();
+                    let rub = || {
+                        let rub = self.terms.rub::<true>(makeup, &pair, side, solid);
+                        SHOWN * a * rub * side.volume * solid.volume
+                    };
+                    match motion {
+                        Motion::Free(rigid) => {
+                            let rub = rub();
+                            sums[number].0 += rub;
+                            sums[number].1 += rub * rigid.arm(&self.positions[c.j as usize]).norm_squared();
+                        }
+                        Motion::Elastic(coupled) => {
+                            let row = self.rows[solid.id as usize] as usize;
+                            if !coupled.solid().is_held(row) {
+                                shaken[c.j as usize] += rub() / coupled.solid().mass(row);
+                            }
+                        }
+                        _ => {}
+                    }
                 }
             }
         }
@@ -171,20 +246,35 @@ impl<const D: usize> Flow<D> {
             }
             _ => 0.0,
         };
-        self.bodies.iter().zip(sums).map(rate).fold(0.0, f64::max)
+        let shaken = shaken.into_iter().fold(0.0, f64::max);
+        self.bodies.iter().zip(sums).map(rate).fold(shaken, f64::max)
     }
 
-    /// The second half kick of the free bodies.
+    /// The second half kick of the free and elastic bodies.
     pub(super) fn kick_bodies(&mut self, dt: f64) {
         self.each_free(|rigid| rigid.kick(dt));
+        let (passage, rest) = (self.kernel.cutoff() / self.sound_speed, self.setup.rest_density);
+        self.each_elastic(|coupled| {
+            coupled.kick(dt);
+            // As for free bodies: a light one would shake.
+            let density = coupled.solid().density();
+            coupled.tell(dt, passage * (rest / density).max(1.0));
+        });
     }
 
-    /// A free body must not run into a wall of the box or another solid: nothing would keep it out.
+    /// A free or elastic body must not run into a wall of the box or another solid: nothing would keep it out. Elastic ones
+    /// are asked for their free particles.
     pub(super) fn check_bodies(&self) -> Result<(), RunError> {
         for &i in &self.solids {
             let (side, here) = (&self.sides[i as usize], &self.positions[i as usize]);
             let body = &self.bodies[usize::from(side.body)];
-            if !body.is_free() {
+            let goes = match &body.kind {
+                BodyKind::Solid { motion: Motion::Elastic(coupled), .. } => {
+                    !coupled.solid().is_held(self.rows[side.id as usize] as usize)
+                }
+                _ => body.is_free(),
+            };
+            if !goes {
                 continue;
             }
             let beyond = (0..D).find(|&k| {
@@ -200,7 +290,8 @@ impl<const D: usize> Flow<D> {
             }
             for (other, number) in self.bodies.iter().zip(0_u8..) {
                 let BodyKind::Solid { motion, surface: Some(surface), .. } = &other.kind else { continue };
-                if number == side.body {
+                // An elastic one asks all its particles for each place: those of others say where it is.
+                if number == side.body || other.is_elastic() {
                     continue;
                 }
                 let place = self.domain.wrap(&motion.origin(&self.domain.wrap(here), self.time));

@@ -36,6 +36,8 @@ pub struct Flow<const D: usize> {
     pub(super) rates: Vec<Rates<D>>,
     pub(super) mirrors: Vec<Mirror<D>>,
     pub(super) solids: Vec<u32>,
+    /// By number of the particle its place among those of its body.
+    pub(super) rows: Vec<u32>,
     /// The ends where particles enter and leave.
     pub(super) openings: Option<Openings<D>>,
     /// Bodies whose reaction is asked for.
@@ -152,6 +154,13 @@ impl<const D: usize> Flow<D> {
             });
         }
         let n = positions.len();
+        let mut counts = vec![0; setup.bodies.len()];
+        let rows = setup.particles.iter().map(|placed| {
+            let count = &mut counts[usize::from(placed.body)];
+            *count += 1;
+            *count - 1
+        });
+        let rows = rows.collect();
         let given_speed = setup.sound_speed;
         // Diffusion without noise of its own would cool the sound waves of a fluctuating fluid.
         let delta = if setup.method == Method::SphBvf && setup.noise.is_none() { options.delta } else { 0.0 };
@@ -187,6 +196,7 @@ impl<const D: usize> Flow<D> {
             rates: vec![Rates::default(); n],
             mirrors: vec![Mirror { velocity: Vector::zeros(), pressure: 0.0 }; n],
             solids: Vec::new(),
+            rows,
             openings,
             asks,
             listed: Vec::new(),

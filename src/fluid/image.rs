@@ -3,6 +3,7 @@
 //! Neighbour lists are part of it: they were built from places that are past, and their order is that of the sums.
 
 use crate::fluid::blocks::Block;
+use crate::fluid::elastic::Kept;
 use crate::fluid::flow::{Flow, Tally};
 use crate::fluid::motion::Motion;
 use crate::fluid::open::Zone;
@@ -29,6 +30,8 @@ pub struct Image<'a, const D: usize> {
     tally: Tally,
     /// Body by body, those that the fluid moves.
     free: Vec<Option<Rigid<D>>>,
+    /// Body by body, those that it bends too.
+    elastic: Vec<Option<Kept<'a, D>>>,
     open: Option<Ends>,
     travel: f64,
     time: f64,
@@ -44,6 +47,10 @@ impl<const D: usize> Flow<D> {
             BodyKind::Solid { motion: Motion::Free(rigid), .. } => Some((**rigid).clone()),
             _ => None,
         };
+        let elastic = self.bodies.iter().map(|body| match &body.kind {
+            BodyKind::Solid { motion: Motion::Elastic(coupled), .. } => Some(coupled.image()),
+            _ => None,
+        });
         Image {
             positions: Cow::Borrowed(&self.positions),
             listed: Cow::Borrowed(&self.listed),
@@ -52,6 +59,7 @@ impl<const D: usize> Flow<D> {
             blocks: Cow::Borrowed(&self.blocks),
             tally: self.tally.clone(),
             free: self.bodies.iter().map(|body| free(&body.kind)).collect(),
+            elastic: elastic.collect(),
             open: self.openings.as_ref().map(|open| (open.zones.clone(), open.entries.clone())),
             travel: self.travel,
             time: self.time,
@@ -70,6 +78,7 @@ impl<const D: usize> Flow<D> {
             && image.own.len() == n
             && image.blocks.len() == self.blocks.len()
             && image.free.len() == self.bodies.len()
+            && image.elastic.len() == self.bodies.len()
             && image.open.is_some() == self.openings.is_some()
             && image
                 .sides
@@ -87,6 +96,15 @@ impl<const D: usize> Flow<D> {
         for (body, saved) in self.bodies.iter_mut().zip(image.free) {
             match (&mut body.kind, saved) {
                 (BodyKind::Solid { motion: Motion::Free(rigid), .. }, Some(saved)) => rigid.restore(saved),
+                (_, None) => {}
+                _ => return None,
+            }
+        }
+        for (body, kept) in self.bodies.iter_mut().zip(image.elastic) {
+            match (&mut body.kind, kept) {
+                (BodyKind::Solid { motion: Motion::Elastic(coupled), .. }, Some(kept)) => {
+                    coupled.restore(kept)?;
+                }
                 (_, None) => {}
                 _ => return None,
             }

@@ -9,6 +9,7 @@ use crate::error::RunError;
 use crate::fluid::blocks::{Block, build_blocks};
 use crate::fluid::flow::Flow;
 use crate::fluid::mirror::{Continuation, Moving, mirror};
+use crate::fluid::motion::Motion;
 use crate::fluid::order::along_a_curve;
 use crate::fluid::particles::Side;
 use crate::fluid::pass::{Rates, sweep_reactions};
@@ -96,7 +97,7 @@ impl<const D: usize> Flow<D> {
         }
         self.step_length = dt;
         self.kick_and_drift(dt);
-        self.kick_and_drift_bodies(dt);
+        self.kick_and_drift_bodies(dt)?;
         self.time += dt;
         self.steps += 1;
         self.carry_solids();
@@ -191,7 +192,7 @@ impl<const D: usize> Flow<D> {
         if self.tally.rebuilds > 0 && self.solids.is_empty() {
             return;
         }
-        let (bodies, domain, time) = (&self.bodies, &self.domain, self.time);
+        let (bodies, domain, time, rows) = (&self.bodies, &self.domain, self.time, &self.rows);
         let size = Block::<D>::SIZE;
         let furthest = self
             .positions
@@ -203,7 +204,8 @@ impl<const D: usize> Flow<D> {
                 for ((position, side), own) in positions.iter_mut().zip(sides).zip(own) {
                     if side.is_solid() {
                         let before = *position;
-                        carry(&bodies[side.body as usize], own, position, side, time);
+                        let row = rows[side.id as usize] as usize;
+                        carry(&bodies[side.body as usize], row, own, position, side, time);
                         // Back into the box: the sweeps turn round a periodic axis once only.
                         *position = domain.wrap(position);
                         furthest = furthest.max(domain.separation(position, &before).norm_squared());
@@ -331,18 +333,21 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    /// Mean of rho/rho0 - 1 over the mass of the fluid, on the steps that take it out; else zero.
+    /// Mean of rho/rho0 - 1 over the mass of the fluid less what elastic bodies press it by as they swell, on the steps that
+    /// take it out; else zero.
     fn density_drift(&self) -> f64 {
         let every = self.setup.drift_correction;
         if every == 0 || !self.steps.is_multiple_of(every) {
             return 0.0;
         }
-        let (mut mass, mut sum) = (0.0, 0.0);
+        let (mut mass, mut sum, mut volume) = (0.0, 0.0, 0.0);
         for (side, own) in self.sides.iter().zip(&self.own).filter(|(side, _)| !side.is_solid()) {
             mass += own.mass;
             sum += own.mass * (side.density / own.rest_density - 1.0);
+            volume += own.mass / own.rest_density;
         }
-        if mass > 0.0 { sum / mass } else { 0.0 }
+        let swelling: f64 = self.elastic_bodies().map(|(_, coupled)| coupled.swelling()).sum();
+        if mass > 0.0 { sum / mass - swelling / volume } else { 0.0 }
     }
 
     /// Whether solids continue the velocity of the fluid by a parabola.
@@ -353,7 +358,7 @@ impl<const D: usize> Flow<D> {
     /// What solids show to the fluid from here to the end of the step.
     pub(super) fn mirrors(&mut self) {
         let (bodies, sides, positions, time) = (&self.bodies, &self.sides, &self.positions, self.time);
-        let (own, gravity) = (&self.own, self.setup.gravity);
+        let (own, gravity, numbers) = (&self.own, self.setup.gravity, &self.rows);
         // Noise between fluid and solids is that of the mean.
         let parabola = self.continues_by_parabola();
         if self.solids.is_empty() {
@@ -369,13 +374,31 @@ impl<const D: usize> Flow<D> {
                             true => Continuation::Parabola { depth },
                             false => Continuation::Mean,
                         };
-                        let wall = Moving {
-                            velocity: |x: &Vector<D>| motion.velocity(&(positions[i] + x), time),
-                            acceleration: motion.acceleration(&positions[i], time),
-                            gravity,
-                            continuation,
+                        *out = match motion {
+                            Motion::Elastic(coupled) => {
+                                let number = numbers[sides[i].id as usize] as usize;
+                                let wall = Moving {
+                                    // At the place itself where no direction leads out.
+                                    velocity: |x: &Vector<D>| match *x == Vector::<D>::zeros() {
+                                        true => coupled.velocity(number),
+                                        false => coupled.velocity_of_surface(number),
+                                    },
+                                    acceleration: coupled.acceleration(number),
+                                    gravity,
+                                    continuation,
+                                };
+                                mirror(block, row, (sides, own), &wall)
+                            }
+                            _ => {
+                                let wall = Moving {
+                                    velocity: |x: &Vector<D>| motion.velocity(&(positions[i] + x), time),
+                                    acceleration: motion.acceleration(&positions[i], time),
+                                    gravity,
+                                    continuation,
+                                };
+                                mirror(block, row, (sides, own), &wall)
+                            }
                         };
-                        *out = mirror(block, row, (sides, own), &wall);
                     }
                 }
             },
@@ -398,6 +421,7 @@ impl<const D: usize> Flow<D> {
         let asked = asks.iter().any(|&asks| asks);
         let obstacles = Obstacles {
             bodies: &self.bodies,
+            rows: &self.rows,
             domain: &self.domain,
             time: self.time,
             dt,

@@ -10,7 +10,7 @@
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
 //! | [`flow`], [`integrate`], [`limit`], `fault` | the flow as a whole; one time step; the longest stable one; what is said when it blows up |
 //! | [`wall`], `sponge` | walls and pumps and what they do to particles |
-//! | [`rigid`], [`bodies`], [`deform`] | a body the fluid moves; those of a flow; solids that deform |
+//! | [`rigid`], [`elastic`], [`bodies`], [`deform`] | a body the fluid moves; one it bends too; those of a flow; solids that deform as told |
 //! | [`open`], `buffers` | ends where particles enter and leave; what is prescribed beyond them |
 //! | [`observe`], `thermometer` | snapshots and health of a flow; its temperature |
 //! | [`weights`], [`exchange`], [`interpolate`] | conductances for the chemistry, ours and as printed; fields at points |
@@ -24,6 +24,7 @@ pub mod bodies;
 mod buffers;
 pub mod candidates;
 pub mod deform;
+pub mod elastic;
 pub mod exchange;
 mod fault;
 mod filter;
@@ -58,6 +59,7 @@ pub mod wide;
 pub use crate::space::{Domain, Grid, Kernel, KernelKind};
 pub use bodies::BodyState;
 pub use deform::Deformation;
+pub use elastic::Coupled;
 pub use exchange::{Barrier, Voxels};
 pub use flow::Flow;
 pub use image::Image;

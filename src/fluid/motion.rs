@@ -1,13 +1,14 @@
 //! How a solid body moves, as a function of time alone. Before t = 0, while a flow settles, bodies keep their
-//! places: those that travel or oscillate rest, those that rotate turn where they are. A free body is the exception:
-//! the flow keeps its state in its motion.
+//! places: those that travel or oscillate rest, those that rotate turn where they are. Free and elastic bodies are the
+//! exception: the flow keeps their state in their motion.
 
 use crate::fluid::deform::Deformation;
+use crate::fluid::elastic::Coupled;
 use crate::fluid::rigid::Rigid;
 use crate::space::domain::Domain;
 use crate::vector::Vector;
 
-/// A motion, prescribed but for a free body's.
+/// A motion, prescribed but for a free or an elastic body's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Motion<const D: usize> {
     #[default]
@@ -25,6 +26,9 @@ pub enum Motion<const D: usize> {
     Deforming(Deformation<D>),
     /// Moved by the fluid: as it is now, whatever time is asked for.
     Free(Box<Rigid<D>>),
+    /// Moved and bent by the fluid: as it is now. The sweeps ask its particles; asked for a place it answers for the
+    /// particle nearest to it.
+    Elastic(Box<Coupled<D>>),
 }
 
 impl<const D: usize> Motion<D> {
@@ -39,6 +43,11 @@ impl<const D: usize> Motion<D> {
             }
             Motion::Deforming(deformation) => deformation.position(start, t),
             Motion::Free(rigid) => rigid.position(start),
+            Motion::Elastic(coupled) => {
+                let i = coupled.nearest(start, true);
+                let solid = coupled.solid();
+                solid.position(i) + solid.gradient(i) * (start - solid.places()[i])
+            }
         }
     }
 
@@ -53,6 +62,10 @@ impl<const D: usize> Motion<D> {
             }
             Motion::Deforming(deformation) => deformation.origin(point, t),
             Motion::Free(rigid) => rigid.origin(point),
+            Motion::Elastic(coupled) => {
+                let i = coupled.nearest(point, false);
+                coupled.origin_beside(i, &(point - coupled.solid().position(i)))
+            }
         }
     }
 
@@ -67,6 +80,7 @@ impl<const D: usize> Motion<D> {
             Motion::Rotating { centre, rate, domain } => cross(rate, &arm(domain, point, centre)),
             Motion::Deforming(deformation) => deformation.velocity(&deformation.origin(point, t), t),
             Motion::Free(rigid) => rigid.velocity_at(point),
+            Motion::Elastic(coupled) => coupled.velocity(coupled.nearest(point, false)),
         }
     }
 
@@ -82,6 +96,7 @@ impl<const D: usize> Motion<D> {
             }
             Motion::Deforming(deformation) => deformation.acceleration(&deformation.origin(point, t), t),
             Motion::Free(rigid) => rigid.acceleration_at(point),
+            Motion::Elastic(coupled) => coupled.acceleration(coupled.nearest(point, false)),
         }
     }
 

@@ -1,6 +1,7 @@
 //! What can be seen of a flow: a snapshot of the particles, and whether the numbers are sound.
 
 use crate::fluid::flow::Flow;
+use crate::fluid::motion::Motion;
 use crate::fluid::setup::BodyKind;
 use crate::vector::Vector;
 
@@ -56,6 +57,9 @@ impl<const D: usize> Flow<D> {
             snapshot.position[i] = self.domain.wrap(place);
             snapshot.velocity[i] = match &self.bodies[side.body as usize].kind {
                 BodyKind::Fluid { .. } => side.velocity,
+                BodyKind::Solid { motion: Motion::Elastic(coupled), .. } => {
+                    coupled.velocity(self.rows[i] as usize)
+                }
                 BodyKind::Solid { motion, .. } => motion.velocity(place, self.time()),
             };
             snapshot.density[i] = side.density;

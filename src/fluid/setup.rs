@@ -150,6 +150,12 @@ impl<const D: usize> Body<D> {
     pub fn is_free(&self) -> bool {
         matches!(self.kind, BodyKind::Solid { motion: Motion::Free(_), .. })
     }
+
+    /// Whether the fluid moves and bends it.
+    #[must_use]
+    pub fn is_elastic(&self) -> bool {
+        matches!(self.kind, BodyKind::Solid { motion: Motion::Elastic(_), .. })
+    }
 }
 
 /// What a solid does to the tangential velocity of the fluid at its surface.
@@ -323,6 +329,7 @@ impl<const D: usize> Setup<D> {
                 ));
             }
         }
+        self.check_elastic()?;
         for (i, placed) in self.particles.iter().enumerate() {
             if placed.body as usize >= self.bodies.len() {
                 return Err(refuse(i, "body", f64::from(placed.body), "no such body in the setup"));
@@ -334,6 +341,27 @@ impl<const D: usize> Setup<D> {
                     placed.volume,
                     "place and volume must be finite numbers",
                 ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The particles of an elastic body must be those of its solid.
+    fn check_elastic(&self) -> Result<(), RunError> {
+        for (body, number) in self.bodies.iter().zip(0_u8..) {
+            let BodyKind::Solid { motion: Motion::Elastic(coupled), .. } = &body.kind else { continue };
+            let mine = self.particles.iter().filter(|placed| placed.body == number);
+            let count = mine.clone().count();
+            let same = |(placed, place): (&Placed<D>, &Vector<D>)| {
+                self.domain.separation(&placed.position, place).norm() <= 1e-6 * self.spacing
+            };
+            if count != coupled.solid().len() || !mine.zip(coupled.solid().places()).all(same) {
+                let what = format!("number of particles of the elastic body `{}`", body.name);
+                let remedy = format!(
+                    "its solid has {}: they must be the same ones, in the same order, at their places at rest",
+                    coupled.solid().len()
+                );
+                return Err(refuse(0, &what, count as f64, &remedy));
             }
         }
         Ok(())

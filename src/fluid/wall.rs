@@ -3,13 +3,15 @@
 use crate::fluid::blocks::Block;
 use crate::fluid::motion::Motion;
 use crate::fluid::particles::{Own, Side};
-use crate::fluid::setup::{Body, BodyKind, Surface};
+use crate::fluid::setup::{Body, BodyKind};
 use crate::space::domain::Domain;
 use crate::vector::Vector;
 
 /// The solids and the box as obstacles.
 pub struct Obstacles<'a, const D: usize> {
     pub bodies: &'a [Body<D>],
+    /// By number of a particle its place among those of its body.
+    pub rows: &'a [u32],
     pub domain: &'a Domain<D>,
     /// Time at the end of the step, s.
     pub time: f64,
@@ -54,7 +56,8 @@ impl<const D: usize> Obstacles<'_, D> {
         }
         let mut inside = false;
         if block.near_solid[row] {
-            bounced |= self.push_out(&mut place, &mut inside);
+            let near = Near { block, row, here, sides };
+            bounced |= self.push_out(&mut place, &mut inside, &near);
         }
         bounced |= self.keep_in_box(&mut place);
         Bounce { correction: place - here, bounced, inside }
@@ -73,11 +76,20 @@ impl<const D: usize> Obstacles<'_, D> {
             let s = &sides[c.j as usize];
             if let BodyKind::Solid { motion, .. } = &self.bodies[s.body as usize].kind {
                 let share = s.volume * c.weight;
-                let place = here - c.x;
+                let (velocity, acceleration) = match motion {
+                    Motion::Elastic(coupled) => {
+                        let row = self.rows[s.id as usize] as usize;
+                        (coupled.velocity(row), coupled.acceleration(row))
+                    }
+                    _ => {
+                        let place = here - c.x;
+                        (motion.velocity(&place, self.time), motion.acceleration(&place, self.time))
+                    }
+                };
                 all += share;
                 normal += c.x * share;
-                wall += motion.velocity(&place, self.time) * share;
-                wall_acceleration += motion.acceleration(&place, self.time) * share;
+                wall += velocity * share;
+                wall_acceleration += acceleration * share;
             }
         }
         let length = normal.norm();
@@ -92,51 +104,59 @@ impl<const D: usize> Obstacles<'_, D> {
 
     /// Mirrors a place inside a solid at its surface, along the gradient of the signed distance, until it is
     /// outside all of them; at most eight times, since bodies may touch.
-    fn push_out(&self, place: &mut Vector<D>, inside: &mut bool) -> bool {
+    fn push_out(&self, place: &mut Vector<D>, inside: &mut bool, near: &Near<D>) -> bool {
         let mut bounced = false;
         for attempt in 0..8 {
             let mut clear = true;
-            for body in self.bodies {
-                let BodyKind::Solid { motion, surface: Some(surface), .. } = &body.kind else { continue };
-                let distance = |x: &Vector<D>| self.distance(motion, surface, x);
-                let depth = -distance(place);
-                if depth <= 0.0 {
-                    continue;
-                }
+            for (body, number) in self.bodies.iter().zip(0_u8..) {
+                let Some((depth, out)) = self.depth(body, number, place, near) else { continue };
                 clear = false;
                 bounced = true;
-                let step = 1e-4 * self.spacing;
-                let gradient: Vector<D> = Vector::from_fn(|k, _| {
-                    let (mut up, mut down) = (*place, *place);
-                    up[k] += step;
-                    down[k] -= step;
-                    (distance(&up) - distance(&down)) / (2.0 * step)
-                });
-                let steepness = gradient.norm();
-                if steepness > 0.0 {
-                    // A little further each time, for distances that are only bounds.
-                    let reach = 2.0 * depth * f64::from(1 << attempt) + 1e-6 * self.spacing;
-                    *place += gradient * (reach / steepness);
-                }
+                // A little further each time, for distances that are only bounds.
+                *place += out * (2.0 * depth * f64::from(1 << attempt) + 1e-6 * self.spacing);
             }
+            *inside = !clear;
             if clear {
-                *inside = false;
                 return bounced;
             }
-            *inside = true;
         }
-        *inside = self.bodies.iter().any(|body| match &body.kind {
-            BodyKind::Solid { motion, surface: Some(surface), .. } => {
-                self.distance(motion, surface, place) < 0.0
-            }
-            _ => false,
-        });
+        *inside = self
+            .bodies
+            .iter()
+            .zip(0_u8..)
+            .any(|(body, number)| self.depth(body, number, place, near).is_some());
         bounced
     }
 
-    /// Signed distance of a place to a body of now, m; the body is asked in its own frame, inside the box.
-    fn distance(&self, motion: &Motion<D>, surface: &Surface<D>, place: &Vector<D>) -> f64 {
-        surface(&self.domain.wrap(&motion.origin(&self.domain.wrap(place), self.time)))
+    /// How deep (m) a place is inside a body and which way out of it; `None` outside. The body is asked in its own frame,
+    /// inside the box, an elastic one in that of its undeformed particle nearest to the place.
+    fn depth(
+        &self,
+        body: &Body<D>,
+        number: u8,
+        place: &Vector<D>,
+        near: &Near<D>,
+    ) -> Option<(f64, Vector<D>)> {
+        let BodyKind::Solid { motion, surface: Some(surface), .. } = &body.kind else { return None };
+        let step = 1e-4 * self.spacing;
+        let Motion::Elastic(coupled) = motion else {
+            let distance =
+                |x: &Vector<D>| surface(&self.domain.wrap(&motion.origin(&self.domain.wrap(x), self.time)));
+            let depth = -distance(place);
+            return (depth > 0.0).then(|| (depth, direction(&gradient(distance, place, step))));
+        };
+        let (row, away) = near.nearest(number, place, self.rows)?;
+        let origin = coupled.origin_beside(row, &away);
+        // Further from its particles than their corners there is no solid, whatever a gradient foresees.
+        if (origin - coupled.solid().places()[row]).norm_squared() > D as f64 * coupled.edge(row).powi(2) {
+            return None;
+        }
+        let distance = |x: &Vector<D>| surface(&self.domain.wrap(x));
+        let depth = -distance(&origin);
+        (depth > 0.0).then(|| {
+            let out = coupled.push_forward(row, &direction(&gradient(distance, &origin, step)));
+            (depth / out.norm(), direction(&out))
+        })
     }
 
     /// Mirrors a place beyond a wall of the box at that wall. Further than half a box out it is left there, for
@@ -155,15 +175,70 @@ impl<const D: usize> Obstacles<'_, D> {
     }
 }
 
-/// Takes a solid particle to its place of time `t` and gives it its own velocity.
+/// Gradient of a distance at a place, by difference quotients of `step` (m).
+pub(super) fn gradient<const D: usize>(
+    distance: impl Fn(&Vector<D>) -> f64,
+    place: &Vector<D>,
+    step: f64,
+) -> Vector<D> {
+    Vector::from_fn(|k, _| {
+        let (mut up, mut down) = (*place, *place);
+        up[k] += step;
+        down[k] -= step;
+        (distance(&up) - distance(&down)) / (2.0 * step)
+    })
+}
+
+/// A vector of length one along another, or none along none.
+pub(super) fn direction<const D: usize>(x: &Vector<D>) -> Vector<D> {
+    let length = x.norm();
+    if length > 0.0 { x / length } else { Vector::zeros() }
+}
+
+/// The solid particles near a fluid particle.
+struct Near<'a, const D: usize> {
+    block: &'a Block<D>,
+    row: usize,
+    /// Where the fluid particle was when its contacts were found, m.
+    here: Vector<D>,
+    sides: &'a [Side<D>],
+}
+
+impl<const D: usize> Near<'_, D> {
+    /// The particle of a body nearest to a place (m): its number in the body, and the way from it to the place.
+    fn nearest(&self, body: u8, place: &Vector<D>, rows: &[u32]) -> Option<(usize, Vector<D>)> {
+        let moved = place - self.here;
+        let mut found: Option<(usize, Vector<D>)> = None;
+        for c in self.block.row(self.row) {
+            let side = &self.sides[c.j as usize];
+            if side.body == body {
+                let away = c.x + moved;
+                if found.is_none_or(|(_, least)| away.norm_squared() < least.norm_squared()) {
+                    found = Some((rows[side.id as usize] as usize, away));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Takes a solid particle, `row` of its body, to its place of time `t` and gives it its own velocity.
 pub fn carry<const D: usize>(
     body: &Body<D>,
+    row: usize,
     own: &Own<D>,
     position: &mut Vector<D>,
     side: &mut Side<D>,
     t: f64,
 ) {
     if let BodyKind::Solid { motion, .. } = &body.kind {
+        if let Motion::Elastic(coupled) = motion {
+            *position = coupled.solid().position(row);
+            side.velocity = coupled.velocity(row);
+            side.volume = coupled.solid().volume(row);
+            side.invert();
+            return;
+        }
         if motion.moves() {
             *position = motion.position(&own.start, t);
         }
@@ -197,6 +272,7 @@ mod tests {
         ];
         let obstacles = Obstacles {
             bodies: &bodies,
+            rows: &[],
             domain: &domain,
             time: 2.0,
             dt: 0.1,
@@ -204,13 +280,15 @@ mod tests {
             spacing: 0.2,
             closed: [false, true],
         };
+        let block = Block::default();
+        let near = Near { block: &block, row: 0, here: V::zeros(), sides: &[] };
         for start in [V::new(0.0, 0.9), V::new(0.75, 0.01), V::new(2.3, -0.2), V::new(-0.99, 0.0)] {
             let (mut place, mut inside) = (start, false);
-            assert!(obstacles.push_out(&mut place, &mut inside) && !inside);
+            assert!(obstacles.push_out(&mut place, &mut inside, &near) && !inside);
             assert!(place.norm() >= 1.0 && (place - V::new(1.5, 0.0)).norm() >= 1.0, "{place}");
         }
         let mut shallow = V::new(0.0, 0.9);
-        assert!(obstacles.push_out(&mut shallow, &mut false));
+        assert!(obstacles.push_out(&mut shallow, &mut false, &near));
         // Mirrored: as far outside as it was inside, plus a millionth of the spacing.
         assert!((shallow - V::new(0.0, 1.1)).norm() < 1e-6);
         let mut beyond = V::new(7.0, 5.25);

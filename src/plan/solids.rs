@@ -102,13 +102,18 @@ fn check_thickness(
     faults: &mut Vec<Fault>,
 ) {
     let name = &domain.groups[solid.group].name;
-    let at: Vec<f64> = at.iter().take(domain.dimensions).copied().collect();
+    // Zero up to rounding is zero.
+    let at = |k: usize| if at[k].abs() < 1e-6 * solid.spacing { 0.0 } else { at[k] };
+    let at: Vec<f64> = (0..domain.dimensions).map(at).collect();
     let at = crate::quantity::readable::show_vector(&at, "m");
     let across = (thickness / solid.spacing).round();
     if across < FEWEST {
         faults.push(Fault::at(
             &solid.places.spacing,
-            format!("the elastic solid `{name}` is {} thin at {at}: {across} particles across, and bending needs at least {FEWEST}", length(thickness)),
+            format!(
+                "the elastic solid `{name}` is {} thin at {at}, which is room for {across} of the {FEWEST} particles across that bending needs",
+                length(thickness)
+            ),
             format!("set solids.{name}.spacing: {} or less, or make it thicker", length(thickness / FEWEST)),
         ));
     }

@@ -31,7 +31,7 @@ pub(super) fn thinnest<const D: usize>(
     least
 }
 
-/// The deepest point within about a spacing of a place, by trial along the axes.
+/// The deepest point within about a spacing of a place, by trial.
 fn climb<const D: usize>(
     start: &Vector<D>,
     spacing: f64,
@@ -41,14 +41,13 @@ fn climb<const D: usize>(
     let mut step = 0.5 * spacing;
     while step > 1e-3 * spacing {
         let mut better = false;
-        for k in 0..D {
-            for sign in [-1.0, 1.0] {
-                let mut trial = x;
-                trial[k] += sign * step;
-                let found = depth(&trial);
-                if found > deep && (trial - start).norm() <= spacing {
-                    (x, deep, better) = (trial, found, true);
-                }
+        // Along the axes and between them: beside an end it is deeper along both only.
+        for code in 0..3_usize.pow(D as u32) {
+            let trial =
+                x + Vector::<D>::from_fn(|k, _| (code / 3_usize.pow(k as u32) % 3) as f64 - 1.0) * step;
+            let found = depth(&trial);
+            if found > deep && (trial - start).norm() <= spacing {
+                (x, deep, better) = (trial, found, true);
             }
         }
         if !better {

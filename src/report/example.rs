@@ -90,6 +90,7 @@ pub fn record(realizations: u32, times: &[f64]) -> RunRecord {
             },
         ],
         histograms: vec![],
+        solids: vec![],
         precision: None,
         steps: StepsRecord {
             solid: None,

@@ -10,6 +10,7 @@ mod example;
 mod example_solid;
 mod fluid;
 mod html;
+mod measures;
 mod numbers;
 mod sections;
 mod solids;
@@ -87,9 +88,10 @@ fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
         if k == 1 {
             out += &sections::chemistry(record);
             out += &fluid::fluid(record);
+            out += &solids::solids(record);
         }
         let here: Vec<&str> = figures.iter().filter(|f| f.0 == k).map(|f| f.1.as_str()).collect();
-        let numbers = if k == 3 { solids::solids(samples) } else { String::new() };
+        let numbers = if k == 3 { measures::measures(samples) } else { String::new() };
         if !here.is_empty() || !numbers.is_empty() {
             out += &format!("<h2>{heading}</h2>\n{numbers}{}", here.concat());
         }

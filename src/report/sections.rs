@@ -1,7 +1,7 @@
 //! The tables of the page.
 
 use super::html::{table, table_of_html, typeset};
-use super::solids;
+use super::measures;
 use crate::figures::{Samples, escape};
 use crate::quantity::readable::{grouped, show, significant};
 use crate::record::{ModelText, RunRecord};
@@ -96,7 +96,8 @@ pub fn health(samples: &Samples) -> String {
         };
         vec![escape(&c.name), escape(&c.found), escape(&c.allowed), mark.to_string()]
     };
-    let rows: Vec<Vec<String>> = checks(record).into_iter().chain(solids::checks(samples)).map(row).collect();
+    let rows: Vec<Vec<String>> =
+        checks(record).into_iter().chain(measures::checks(samples)).map(row).collect();
     let mut out = String::from("<h2>Checks</h2>\n");
     out += &table_of_html(&["check", "found", "allowed", ""], &[1], &rows);
     let supplied: Vec<Vec<String>> =
@@ -188,7 +189,11 @@ pub fn chemistry(record: &RunRecord) -> String {
 /// Steps and what they cost.
 pub fn cost(record: &RunRecord) -> String {
     let mut steps = Vec::new();
-    for (name, step) in [("fluid", &record.steps.fluid), ("chemistry", &record.steps.chemistry)] {
+    for (name, step) in [
+        ("fluid", &record.steps.fluid),
+        ("solids", &record.steps.solid),
+        ("chemistry", &record.steps.chemistry),
+    ] {
         if let Some(s) = step {
             steps.push(vec![name.into(), show(s.step, "s"), grouped(s.count), s.limited_by.clone()]);
         }
@@ -202,7 +207,18 @@ pub fn cost(record: &RunRecord) -> String {
     if p.particle_steps > 0 {
         row("particle steps", grouped(p.particle_steps) + &rate(p.particle_steps, p.fluid_seconds));
         row("pair evaluations", grouped(p.pair_evaluations) + &rate(p.pair_evaluations, p.fluid_seconds));
-        row("time in the fluid", show(p.fluid_seconds, "s"));
+    }
+    if p.solid_particle_steps > 0 {
+        // In a flow their time is part of its.
+        let alone = if p.particle_steps == 0 { p.fluid_seconds } else { 0.0 };
+        row(
+            "steps of solid particles",
+            grouped(p.solid_particle_steps) + &rate(p.solid_particle_steps, alone),
+        );
+        row("bonds evaluated", grouped(p.bond_evaluations) + &rate(p.bond_evaluations, alone));
+    }
+    if p.particle_steps + p.solid_particle_steps > 0 {
+        row("time in motion", show(p.fluid_seconds, "s"));
     }
     row("reaction events", grouped(p.reaction_events));
     row("diffusive hops", grouped(p.hops));

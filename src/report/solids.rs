@@ -1,85 +1,46 @@
-//! Elastic solids on the page: what was measured of them, and whether walls held, mass is accounted for, and the mechanics
-//! was at rest.
+//! The elastic solids on the page.
 
 use super::html::table;
-use super::sections::{Check, Verdict};
-use crate::figures::Samples;
-use crate::figures::solids::{courses, ends, names, words};
-use crate::quantity::readable::{grouped, show, significant};
+use crate::quantity::readable::{grouped, length, show, significant};
+use crate::record::{RunRecord, SolidRecord};
 
-/// Relative deviation of a solid's mass from what it had and was given.
-const MASS: f64 = 1e-6;
-/// Time of the mechanics over that of the chemistry up to which a wall is always in equilibrium.
-const TIMES: f64 = 1e-3;
-
-/// What is measured of every solid: at the end and over all times.
-pub fn solids(samples: &Samples) -> String {
-    let mut out = String::new();
-    for name in names(samples) {
-        let mut several = false;
-        let rows: Vec<Vec<String>> = courses(samples, name)
-            .iter()
-            .filter(|course| !course.times.is_empty())
-            .map(|course| {
-                let [mean, q05, q95, low, high] = ends(course);
-                several |= course.values.len() > 1;
-                // What has no unit stays a plain number.
-                let tell = |v: f64| match course.unit.as_str() {
-                    "" | "1" => significant(v, 4),
-                    unit => show(v, unit),
-                };
-                let band = if course.values.len() > 1 {
-                    format!("{} … {}", tell(q05), tell(q95))
-                } else {
-                    "–".into()
-                };
-                vec![words(&course.quantity), tell(mean), band, tell(low), tell(high)]
-            })
-            .collect();
-        let head =
-            ["", if several { "mean at the end" } else { "at the end" }, "5 … 95 %", "least", "greatest"];
-        if !rows.is_empty() {
-            out +=
-                &format!("<h3>{}</h3>\n{}", crate::figures::escape(name), table(&head, &[1, 2, 3, 4], &rows));
-        }
+/// The numbers of the solids; nothing where there are none.
+pub fn solids(record: &RunRecord) -> String {
+    if record.solids.is_empty() {
+        return String::new();
     }
-    out
-}
-
-/// Checks of the solids, from what the tables say of them.
-pub fn checks(samples: &Samples) -> Vec<Check> {
-    let judge = |ok: bool| if ok { Verdict::Pass } else { Verdict::Fail };
-    let mut out = Vec::new();
-    for name in names(samples) {
-        for course in courses(samples, name) {
-            let every = course.values.iter().flatten().filter(|v| v.is_finite());
-            let Some(worst) = every.map(|v| v.abs()).reduce(f64::max) else { continue };
-            let (what, found, allowed, verdict) = match course.quantity.as_str() {
-                "escapes" => {
-                    ("Escapes through", grouped(worst.round() as u64), "0".into(), judge(worst == 0.0))
-                }
-                "mass_balance" => (
-                    "Mass unaccounted for, relative, of",
-                    significant(worst, 3),
-                    format!("≤ {}", significant(MASS, 2)),
-                    judge(worst <= MASS),
-                ),
-                "residual" => (
-                    "Largest force out of balance over the loads of",
-                    significant(worst, 3),
-                    "for information".into(),
-                    Verdict::Open,
-                ),
-                "time_ratio" => (
-                    "Time of the mechanics over that of the chemistry of",
-                    significant(worst, 3),
-                    format!("≤ {}", significant(TIMES, 2)),
-                    judge(worst <= TIMES),
-                ),
-                _ => continue,
-            };
-            out.push(Check { name: format!("{what} {name}"), found, allowed, verdict });
-        }
-    }
-    out
+    let number = |x: f64| significant(x, 4);
+    type Row = (&'static str, Box<dyn Fn(&SolidRecord) -> String>);
+    let rows: [Row; 13] = [
+        ("particles", Box::new(|s| grouped(s.particles as u64))),
+        ("spacing", Box::new(|s| length(s.spacing))),
+        ("thickness", Box::new(|s| length(s.thickness))),
+        ("particles across", Box::new(move |s| significant(s.thickness / s.spacing, 3))),
+        ("law", Box::new(|s| s.law.replace('_', " "))),
+        ("method", Box::new(|s| s.method.replace('_', " "))),
+        ("density", Box::new(|s| show(s.density, "kg/m^3"))),
+        (
+            "Young's modulus E, Poisson's ratio ν",
+            Box::new(move |s| format!("{}, {}", show(s.youngs_modulus, "Pa"), number(s.poisson_ratio))),
+        ),
+        (
+            "bulk modulus K, shear modulus G",
+            Box::new(|s| format!("{}, {}", show(s.bulk_modulus, "Pa"), show(s.shear_modulus, "Pa"))),
+        ),
+        ("sound speed √(K/ρ)", Box::new(|s| show(s.sound_speed, "m/s"))),
+        ("longest step", Box::new(|s| format!("{}, limited by {}", show(s.step, "s"), s.limited_by))),
+        (
+            "clamped, driven particles",
+            Box::new(|s| format!("{}, {}", grouped(s.clamped as u64), grouped(s.driven as u64))),
+        ),
+        ("softened by", Box::new(|s| if s.softening.is_empty() { "–".into() } else { s.softening.clone() })),
+    ];
+    let head: Vec<&str> = std::iter::once("").chain(record.solids.iter().map(|s| s.name.as_str())).collect();
+    let rows: Vec<Vec<String>> = rows
+        .iter()
+        .map(|(what, of)| std::iter::once((*what).to_string()).chain(record.solids.iter().map(of)).collect())
+        .collect();
+    let most = record.health.largest_stretch;
+    let most = most.map_or_else(String::new, |s| format!("<p>Largest stretch {}.</p>\n", significant(s, 5)));
+    format!("<h3>Elastic solids</h3>\n{}{most}", table(&head, &[], &rows))
 }

@@ -13,7 +13,7 @@ pub fn summary(samples: &Samples) -> String {
         let _ = writeln!(out, "<p class=\"what\">{}</p>", escape(record.description.trim()));
     }
     let mut checks = checks(record);
-    checks.extend(super::solids::checks(samples));
+    checks.extend(super::measures::checks(samples));
     let failed: Vec<&str> =
         checks.iter().filter(|c| c.verdict == Verdict::Fail).map(|c| c.name.as_str()).collect();
     let passed = checks.iter().filter(|c| c.verdict == Verdict::Pass).count();

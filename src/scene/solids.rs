@@ -7,7 +7,7 @@ use crate::fluid::Snapshot;
 use crate::geometry::shape::embed;
 use crate::plan::{ParticlePlan, SolidPlan};
 use crate::quantity::readable::{show, show_vector};
-use crate::solid::{Elastic, ElasticState};
+use crate::solid::{Elastic, ElasticState, StepLimit};
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +24,8 @@ pub struct SolidBody<const D: usize> {
     /// Number of its first particle; the others follow.
     pub first: usize,
     pub elastic: Elastic<D>,
+    /// Of the start.
+    limit: StepLimit,
     pace: Pace,
 }
 
@@ -68,15 +70,9 @@ impl<const D: usize> SolidBody<D> {
                 Vector::from_fn(|k, _| velocity[k])
             });
         }
-        let longest = elastic.step_limit()?;
-        let pace = Pace { longest, left: RENEWED, largest_stretch: 1.0, steps: 0 };
-        Ok(SolidBody { number, group: plan.group, first: plan.first, elastic, pace })
-    }
-
-    /// The longest step now, s.
-    #[must_use]
-    pub fn longest(&self) -> f64 {
-        self.pace.longest
+        let limit = elastic.limit()?;
+        let pace = Pace { longest: limit.seconds, left: RENEWED, largest_stretch: 1.0, steps: 0 };
+        Ok(SolidBody { number, group: plan.group, first: plan.first, elastic, limit, pace })
     }
 
     /// What must be kept to go on later.
@@ -144,10 +140,10 @@ impl<'p, const D: usize> Scene<'p, D> {
         plan.solids.iter().enumerate().map(|(number, solid)| SolidBody::new(solid, number)).collect()
     }
 
-    /// The longest step of the solids that no fluid moves, s, if there are any.
+    /// The longest steps of the solids, in the order of the plan.
     #[must_use]
-    pub fn solid_step(&self) -> Option<f64> {
-        self.solids.iter().map(SolidBody::longest).reduce(f64::min)
+    pub fn solid_steps(&self) -> Vec<StepLimit> {
+        self.solids.iter().map(|body| body.limit.clone()).collect()
     }
 
     /// Elastic solid `number` of the plan as it is now.

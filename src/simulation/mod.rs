@@ -18,7 +18,7 @@ pub mod watch;
 use crate::error::{ModelError, RunError};
 use crate::plan::{Arena, Plan};
 use crate::quantity::readable::show;
-use crate::record::{FluidRecord, HybridRecord, StepsRecord, TemperatureRecord};
+use crate::record::{FluidRecord, HybridRecord, SolidRecord, StepsRecord, TemperatureRecord};
 use crate::sampling::Observed;
 use keep::Memory;
 use serde::{Deserialize, Serialize};
@@ -214,6 +214,17 @@ impl<'p> Ready<'p> {
             Ready::Line(ready) => ready.fluid(),
             Ready::Plane(ready) => ready.fluid(),
             Ready::Space(ready) => ready.fluid(),
+        }
+    }
+
+    /// The elastic solids and their numbers.
+    #[must_use]
+    pub fn solids(&self) -> Vec<SolidRecord> {
+        match self {
+            Ready::Compartments(_) => Vec::new(),
+            Ready::Line(ready) => ready.solids(),
+            Ready::Plane(ready) => ready.solids(),
+            Ready::Space(ready) => ready.solids(),
         }
     }
 

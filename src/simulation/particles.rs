@@ -4,6 +4,7 @@ mod course;
 mod flows;
 mod numbers;
 mod recording;
+mod solids;
 mod steps;
 
 use super::clock::{Interval, intervals};
@@ -24,8 +25,9 @@ use crate::plan::{ParticlePlan, Plan};
 use crate::quantity::readable::show;
 use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Moment, Observed};
-use crate::scene::Scene;
-use crate::scene::{AT_A_TIME, Moving};
+
+use crate::scene::{AT_A_TIME, Moving, Scene};
+use crate::solid::StepLimit;
 use recording::{Frame, Player, Title};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -40,8 +42,8 @@ pub struct Ready<'p, const D: usize> {
     chemistry_step: f64,
     chemistry_limit: String,
     fluid: Option<(f64, String)>,
-    /// Longest step of the elastic solids that no fluid moves, s.
-    solid: Option<f64>,
+    /// Longest steps of the elastic solids, in the order of the model.
+    solid_steps: Vec<StepLimit>,
     clock: Vec<Interval>,
     fluid_seconds: f64,
     /// Error of splitting and the time over which it was found, s.
@@ -91,9 +93,10 @@ impl<'p, const D: usize> Ready<'p, D> {
             check_steps(place, "fluid", limit.seconds, &limit.limited_by, duration)?;
             fluid = Some((limit.seconds, limit.limited_by));
         }
-        let solid = scene.solid_step();
-        if let Some(step) = solid {
-            check_steps(&plan.model.places.run, "solid", step, "the fastest mode of the solid", until)?;
+        let solid_steps = scene.solid_steps();
+        let solid = shortest(&solid_steps);
+        if let Some(limit) = solid {
+            check_steps(&plan.model.places.run, "solid", limit.seconds, &limit.limited_by, until)?;
         }
         if player.is_none() {
             scene.look();
@@ -135,7 +138,7 @@ impl<'p, const D: usize> Ready<'p, D> {
                 Some(player) => recorded(plan, &player.title, (step, &limit))?,
                 None => {
                     // Solids that no fluid moves go several of their own steps at a time.
-                    let motion = fluid.as_ref().map(|f| f.0).or(solid.map(|step| AT_A_TIME * step));
+                    let motion = fluid.as_ref().map(|f| f.0).or(solid.map(|limit| AT_A_TIME * limit.seconds));
                     intervals(&plan.model.output.times, step, motion)
                 }
             };
@@ -152,7 +155,7 @@ impl<'p, const D: usize> Ready<'p, D> {
             chemistry_step,
             chemistry_limit,
             fluid,
-            solid,
+            solid_steps,
             clock,
             fluid_seconds,
             splitting,
@@ -190,7 +193,7 @@ impl<'p, const D: usize> Ready<'p, D> {
 
     /// Whether a fluid or solids move.
     pub(super) fn moves(&self) -> bool {
-        self.fluid.is_some() || self.solid.is_some()
+        self.fluid.is_some() || !self.solid_steps.is_empty()
     }
 
     /// Time spent to let the flow settle, s.
@@ -246,6 +249,11 @@ impl<'p, const D: usize> Ready<'p, D> {
     fn groups(&self) -> Vec<usize> {
         self.scene.plan.home.iter().map(|&home| usize::from(home)).collect()
     }
+}
+
+/// The shortest of steps.
+fn shortest(steps: &[StepLimit]) -> Option<&StepLimit> {
+    steps.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds))
 }
 
 /// The clock of a recorded flow, if a chemistry whose step is at most `step` (s; and what limits it) can go by it.

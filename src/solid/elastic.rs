@@ -71,6 +71,7 @@ pub(super) struct Strain<const D: usize> {
 }
 
 /// An elastic solid in motion.
+#[derive(Clone)]
 pub struct Elastic<const D: usize> {
     pub(super) places: Vec<Vector<D>>,
     pub(super) volumes: Vec<f64>,
@@ -87,6 +88,8 @@ pub struct Elastic<const D: usize> {
     /// Forces from outside, N per unit thickness; they stay until set again.
     pub(super) loads: Vec<Vector<D>>,
     pub(super) strains: Vec<Strain<D>>,
+    /// Corrected gradients, beside the consistent ones where those are used.
+    pub(super) fits: Vec<Matrix<D>>,
     /// Factor of the shear modulus.
     pub(super) softness: Vec<f64>,
     /// Inverse of the growth F_g: F_e = F F_g⁻¹; where nothing has grown none.
@@ -125,13 +128,14 @@ impl<const D: usize> Elastic<D> {
             forces: vec![none; n],
             loads: vec![none; n],
             strains: vec![Strain { f: Matrix::identity(), pull: Matrix::zeros() }; n],
+            fits: Vec::new(),
             softness: vec![1.0; n],
             growth: None,
             time: 0.0,
             steps: 0,
             tally: Tally::default(),
         };
-        solid.drive();
+        solid.drive(0.0);
         solid.strain()?;
         solid.pull();
         Ok(solid)
@@ -161,6 +165,18 @@ impl<const D: usize> Elastic<D> {
         &self.places
     }
 
+    /// What the particles fill at rest, m^D.
+    #[must_use]
+    pub fn volumes(&self) -> &[f64] {
+        &self.volumes
+    }
+
+    /// Whether particle `i` is held or driven.
+    #[must_use]
+    pub fn is_held(&self, i: usize) -> bool {
+        !matches!(self.holds[i], Hold::Free)
+    }
+
     /// m/s.
     #[must_use]
     pub fn velocities(&self) -> &[Vector<D>] {
@@ -174,6 +190,12 @@ impl<const D: usize> Elastic<D> {
             Hold::Free => (self.forces[i] + self.loads[i]) / self.mass(i) + self.options.body_force,
             _ => Vector::zeros(),
         }
+    }
+
+    /// kg/m³ at rest.
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        self.material.density
     }
 
     /// Mass of particle `i` without what has grown, kg per unit thickness.
@@ -214,6 +236,13 @@ impl<const D: usize> Elastic<D> {
     /// Factor of the shear modulus of each particle, from the coming forces on.
     pub fn softness_mut(&mut self) -> &mut [f64] {
         &mut self.softness
+    }
+
+    /// Takes gradients that are consistent with a surface from the coming forces on, and hourglass control that is the
+    /// slope of an energy; `skin` is the area vector each particle carries, m^(D-1).
+    pub(super) fn consist(&mut self, skin: &[Vector<D>]) {
+        self.bonds.consist(&self.volumes, skin);
+        self.fits = vec![Matrix::identity(); self.places.len()];
     }
 
     /// Forces anew, with the softness of now.

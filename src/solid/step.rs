@@ -10,7 +10,12 @@ impl<const D: usize> Elastic<D> {
     /// # Errors
     /// [`RunError::BlowUp`] for a particle that is turned inside out or lost.
     pub fn step(&mut self, dt: f64) -> Result<(), RunError> {
-        self.kick(0.5 * dt, true);
+        self.step_under(dt, true)
+    }
+
+    /// One step of `dt` (s), without the loads unless `loaded`.
+    fn step_under(&mut self, dt: f64, loaded: bool) -> Result<(), RunError> {
+        self.kick(0.5 * dt, loaded);
         for ((u, v), hold) in self.displacements.iter_mut().zip(&self.velocities).zip(&self.holds) {
             if matches!(hold, Hold::Free) {
                 *u += v * dt;
@@ -18,10 +23,10 @@ impl<const D: usize> Elastic<D> {
         }
         self.time += dt;
         self.steps += 1;
-        self.drive();
+        self.drive(dt);
         self.strain()?;
         self.pull();
-        self.kick(0.5 * dt, true);
+        self.kick(0.5 * dt, loaded);
         self.tally.particle_steps += self.places.len() as u64;
         Ok(())
     }
@@ -38,26 +43,51 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
+    /// As [`Elastic::advance`] without the loads: they come as kicks before and after ([`Elastic::kick_by_loads`]).
+    ///
+    /// # Errors
+    /// As [`Elastic::step`].
+    pub fn glide(&mut self, duration: f64, longest: f64) -> Result<(), RunError> {
+        let steps = (duration / longest).ceil().max(1.0);
+        for _ in 0..steps as u64 {
+            self.step_under(duration / steps, false)?;
+        }
+        Ok(())
+    }
+
+    /// v += dt (load/m) of the free particles.
+    pub fn kick_by_loads(&mut self, dt: f64) {
+        for i in 0..self.len() {
+            if matches!(self.holds[i], Hold::Free) {
+                let mass = self.mass(i);
+                self.velocities[i] += self.loads[i] * (dt / mass);
+            }
+        }
+    }
+
     /// v += dt a; the drag is solved exactly.
-    fn kick(&mut self, dt: f64, inner: bool) {
+    fn kick(&mut self, dt: f64, loaded: bool) {
         let drag = (-self.options.drag * dt).exp();
         let density = self.material.density;
         for (i, velocity) in self.velocities.iter_mut().enumerate() {
             if !matches!(self.holds[i], Hold::Free) {
                 continue;
             }
-            let force: Vector<D> = if inner { self.forces[i] + self.loads[i] } else { self.loads[i] };
+            let force: Vector<D> = if loaded { self.forces[i] + self.loads[i] } else { self.forces[i] };
             let pull = force / (density * self.volumes[i]) + self.options.body_force;
             *velocity = (*velocity + pull * dt) * drag;
         }
     }
 
-    /// Driven particles to their place and velocity of now.
-    pub(super) fn drive(&mut self) {
+    /// Driven particles to their place of now; their velocity is the mean over the `dt` (s) before.
+    pub(super) fn drive(&mut self, dt: f64) {
         let t = self.time;
         for (i, hold) in self.holds.iter().enumerate() {
             if let Hold::Driven(drive) = hold {
-                self.displacements[i] = drive(&self.places[i], t);
+                let before = std::mem::replace(&mut self.displacements[i], drive(&self.places[i], t));
+                if dt > 0.0 {
+                    self.velocities[i] = (self.displacements[i] - before) / dt;
+                }
             }
         }
     }

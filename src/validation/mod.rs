@@ -14,6 +14,7 @@ mod cylinder;
 mod duct;
 mod findings;
 mod flow;
+mod lame;
 mod moving_walls;
 mod natural_convection;
 mod nodes;
@@ -163,6 +164,11 @@ pub const CASES: &[Case] = &[
         name: "beam_modes",
         what: "a slender, a free and a doubly clamped beam, a second mode, one in space (--full: finer)",
         run: beam_modes::beams,
+    },
+    Case {
+        name: "lame",
+        what: "rings and spherical shells under pressure from inside (--full: finer shells)",
+        run: lame::walls,
     },
     Case {
         name: "thermostat",

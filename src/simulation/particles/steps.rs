@@ -1,6 +1,6 @@
 //! The chemistry steps on particles: what bounds them, what they cost in accuracy, and how a run tells of them.
 
-use super::{Ready, event_driven};
+use super::{Ready, event_driven, shortest};
 use crate::chemistry::network::{Surface, SurfaceKind};
 use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
 use crate::chemistry::{AVOGADRO, Rate};
@@ -74,10 +74,10 @@ impl<const D: usize> Ready<'_, D> {
                     limited_by.clone()
                 },
             }),
-            solid: self.solid.map(|step| StepRecord {
-                step,
-                count: (self.plan.model.run.until / step).ceil() as u64,
-                limited_by: "the fastest mode of the solid".into(),
+            solid: shortest(&self.solid_steps).map(|limit| StepRecord {
+                step: limit.seconds,
+                count: (self.plan.model.run.until / limit.seconds).ceil() as u64,
+                limited_by: limit.limited_by.clone(),
             }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
