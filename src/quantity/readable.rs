@@ -188,6 +188,15 @@ mod tests {
     }
 
     #[test]
+    fn reciprocal_lengths_and_masses_have_prefixes_where_people_put_them() {
+        assert_eq!(show(3e5, "1/m"), "300 1/mm");
+        assert_eq!(show(4.2e6, "1/m"), "4.2 1/µm");
+        assert_eq!(show(0.05, "1/m"), "50 1/km");
+        assert_eq!(show(0.0, "1/m"), "0 1/m");
+        assert_eq!(show(1.18e-13, "kg"), "118 pg");
+    }
+
+    #[test]
     fn vectors_share_one_unit() {
         assert_eq!(show_vector(&[1.25e-3, 0.0], "m/s"), "(1.25, 0) mm/s");
         assert_eq!(show_vector(&[-0.1e-6], "m"), "−100 nm");

@@ -153,9 +153,10 @@ fn bins(values: &[f64]) -> Vec<(f64, f64, u32)> {
     let (low, high) = range(values.iter().copied());
     let count = (values.len() as f64).sqrt().round().clamp(5.0, 30.0);
     let width = (high - low) / count;
-    let mut counts = vec![0; count as usize];
+    let last = count as usize - 1;
+    let mut counts = vec![0; last + 1];
     for value in values {
-        counts[(((value - low) / width) as usize).min(counts.len() - 1)] += 1;
+        counts[(((value - low) / width) as usize).min(last)] += 1;
     }
     let edge = |k: usize| low + k as f64 * width;
     counts.into_iter().enumerate().map(|(k, n)| (edge(k), edge(k + 1), n)).collect()
