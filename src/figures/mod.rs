@@ -20,6 +20,7 @@ mod probes;
 mod profiles;
 mod sections;
 mod setup;
+pub mod solids;
 mod svg;
 pub mod sweep;
 mod ticks;
@@ -140,6 +141,7 @@ pub fn draw(samples: &Samples) -> Vec<Figure> {
     out.extend(setup::setup(samples));
     out.extend(fields::concentrations(samples));
     out.extend(fields::flow(samples));
+    out.extend(solids::solids(samples));
     out.extend(profiles::profiles(samples));
     out.extend(time::occupancy(samples));
     out.extend(time::amounts(samples));

@@ -242,7 +242,7 @@ pub(super) fn draw_curves(
     let x = Axis::covering(times.iter().copied(), "s", "time");
     let p = Panel { left: frame[0], top: frame[1], width: frame[2], height: frame[3], x, y };
     let colour = PALETTE[0];
-    let at = |t: usize| -> Vec<f64> { curve.values.iter().map(|v| v[t]).collect() };
+    let at = |t: usize| -> Vec<f64> { curve.values.iter().map(|v| v[t]).filter(|v| v.is_finite()).collect() };
     let over = |f: &dyn Fn(&[f64]) -> f64| -> Vec<f64> { (0..times.len()).map(|t| f(&at(t))).collect() };
     if let Some(scatter) = reference.filter(|s| p.y.high > 1.0 - s) {
         let level = |v: f64| vec![v; times.len()];

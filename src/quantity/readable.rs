@@ -51,6 +51,16 @@ impl Scale {
                 };
                 return Scale::plain(shown);
             }
+            "1/m" => {
+                // 1/mm where a millimetre is to be told: never a prefix before the one.
+                let size = largest.abs();
+                let known = size.is_finite() && size > 0.0;
+                let step = if known { -(((size * 1.000_001).log10() / 3.0).floor() as i32 * 3) } else { 0 };
+                let step = step.clamp(-18, 9);
+                let prefix = PREFIXES.iter().find(|(_, p)| *p == step).map_or("", |(name, _)| name);
+                return Scale { factor: 10f64.powi(step), unit: format!("1/{prefix}m") };
+            }
+            "kg" => ("g", 1e3, 1, ""),
             "mol/m^3" | "mol/m³" => ("M", 1e-3, 1, ""),
             "m/s" => ("m", 1.0, 1, "/s"),
             "m^2/s" | "m²/s" => ("m", 1.0, 2, "²/s"),
@@ -175,6 +185,15 @@ mod tests {
         assert_eq!(show(1e-18, "m^3"), "1 fL");
         assert_eq!(show(0.0021, "m/s"), "2.1 mm/s");
         assert_eq!(show(0.5, "1"), "0.5");
+    }
+
+    #[test]
+    fn reciprocal_lengths_and_masses_have_prefixes_where_people_put_them() {
+        assert_eq!(show(3e5, "1/m"), "300 1/mm");
+        assert_eq!(show(4.2e6, "1/m"), "4.2 1/µm");
+        assert_eq!(show(0.05, "1/m"), "50 1/km");
+        assert_eq!(show(0.0, "1/m"), "0 1/m");
+        assert_eq!(show(1.18e-13, "kg"), "118 pg");
     }
 
     #[test]

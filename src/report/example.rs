@@ -11,7 +11,7 @@ use std::path::Path;
 const SPACING: f64 = 0.5e-6;
 const CENTRE: [f64; 2] = [26e-6, 12.5e-6];
 
-fn record(realizations: u32, times: &[f64]) -> RunRecord {
+pub fn record(realizations: u32, times: &[f64]) -> RunRecord {
     let group = |name: &str, material: &str, particles, shape: &str, outlines| GroupRecord {
         name: name.into(),
         material: material.into(),

@@ -6,8 +6,11 @@
 mod base64;
 #[cfg(test)]
 mod example;
+#[cfg(test)]
+mod example_solid;
 mod fluid;
 mod html;
+mod measures;
 mod numbers;
 mod sections;
 mod solids;
@@ -44,16 +47,17 @@ pub fn write(dir: &Path) -> Result<(), RunError> {
 }
 
 /// Headings of the page's figures, in order.
-const SECTIONS: [&str; 5] =
-    ["At a glance", "Set-up", "Fields", "Course in time", "Profiles and distributions"];
+const SECTIONS: [&str; 6] =
+    ["At a glance", "Set-up", "Fields", "Solids", "Course in time", "Profiles and distributions"];
 
 fn section(figure: &Figure) -> usize {
     match figure.name.as_str() {
         "overview" => 0,
         "setup" => 1,
         name if name.starts_with("field_") || name == "velocity" || name == "pressure" => 2,
-        "amounts" | "occupancy" => 3,
-        _ => 4,
+        name if name.starts_with("solid_") => 3,
+        "amounts" | "occupancy" => 4,
+        _ => 5,
     }
 }
 
@@ -87,13 +91,14 @@ fn page(samples: &Samples, figures: &[(usize, String)]) -> String {
             out += &solids::solids(record);
         }
         let here: Vec<&str> = figures.iter().filter(|f| f.0 == k).map(|f| f.1.as_str()).collect();
-        if !here.is_empty() {
-            out += &format!("<h2>{heading}</h2>\n{}", here.concat());
+        let numbers = if k == 3 { measures::measures(samples) } else { String::new() };
+        if !here.is_empty() || !numbers.is_empty() {
+            out += &format!("<h2>{heading}</h2>\n{numbers}{}", here.concat());
         }
     }
     out += &numbers::numbers(samples);
     out += &numbers::correlations(samples);
-    out += &sections::health(record);
+    out += &sections::health(samples);
     out += &sections::cost(record);
     out += &sections::provenance(record);
     out + &foot(&record.program, &record.version)

@@ -1,7 +1,8 @@
 //! The tables of the page.
 
 use super::html::{table, table_of_html, typeset};
-use crate::figures::escape;
+use super::measures;
+use crate::figures::{Samples, escape};
 use crate::quantity::readable::{grouped, show, significant};
 use crate::record::{ModelText, RunRecord};
 
@@ -85,7 +86,8 @@ pub fn checks(record: &RunRecord) -> Vec<Check> {
 }
 
 /// Checks, reservoirs and warnings.
-pub fn health(record: &RunRecord) -> String {
+pub fn health(samples: &Samples) -> String {
+    let record = &samples.record;
     let row = |c: Check| {
         let mark = match c.verdict {
             Verdict::Pass => "<span class=\"pass\">✓ pass</span>",
@@ -94,7 +96,8 @@ pub fn health(record: &RunRecord) -> String {
         };
         vec![escape(&c.name), escape(&c.found), escape(&c.allowed), mark.to_string()]
     };
-    let rows: Vec<Vec<String>> = checks(record).into_iter().map(row).collect();
+    let rows: Vec<Vec<String>> =
+        checks(record).into_iter().chain(measures::checks(samples)).map(row).collect();
     let mut out = String::from("<h2>Checks</h2>\n");
     out += &table_of_html(&["check", "found", "allowed", ""], &[1], &rows);
     let supplied: Vec<Vec<String>> =

@@ -12,7 +12,8 @@ pub fn summary(samples: &Samples) -> String {
     if !record.description.trim().is_empty() {
         let _ = writeln!(out, "<p class=\"what\">{}</p>", escape(record.description.trim()));
     }
-    let checks = checks(record);
+    let mut checks = checks(record);
+    checks.extend(super::measures::checks(samples));
     let failed: Vec<&str> =
         checks.iter().filter(|c| c.verdict == Verdict::Fail).map(|c| c.name.as_str()).collect();
     let passed = checks.iter().filter(|c| c.verdict == Verdict::Pass).count();

@@ -10,6 +10,7 @@
 //! is exact for every linear displacement (Randles & Libersky 1996; Bonet & Lok 1999).
 
 use crate::error::RunError;
+use crate::solid::consistent::Ends;
 use crate::space::matrix::{Matrix, determinant, dyad, inverse};
 use crate::space::{Domain, Grid, Kernel};
 use crate::vector::Vector;
@@ -33,6 +34,8 @@ pub struct Bonds<const D: usize> {
     bonds: Vec<Bond<D>>,
     /// B_i, m^0: the correction of the gradient.
     pub correction: Vec<Matrix<D>>,
+    /// Gradients that are consistent with the surface, bond by bond; none where they are not asked for.
+    pub(super) ends: Vec<Ends<D>>,
 }
 
 impl<const D: usize> Bonds<D> {
@@ -46,14 +49,34 @@ impl<const D: usize> Bonds<D> {
         domain: &Domain<D>,
         kernel: &Kernel<D>,
     ) -> Result<Bonds<D>, RunError> {
-        let grid = Grid::build(places, domain, kernel.cutoff());
-        let mut all =
-            Bonds { offsets: vec![0], bonds: Vec::new(), correction: Vec::with_capacity(places.len()) };
+        Bonds::each(places, volumes, domain, kernel.cutoff(), |_, _| *kernel)
+    }
+
+    /// Finds the bonds where every pair has a kernel of its own, the same from both sides; none reaches beyond `widest`
+    /// (m).
+    ///
+    /// # Errors
+    /// As [`Bonds::new`].
+    pub fn each(
+        places: &[Vector<D>],
+        volumes: &[f64],
+        domain: &Domain<D>,
+        widest: f64,
+        kernel: impl Fn(usize, usize) -> Kernel<D>,
+    ) -> Result<Bonds<D>, RunError> {
+        let grid = Grid::build(places, domain, widest);
+        let mut all = Bonds {
+            offsets: vec![0],
+            bonds: Vec::new(),
+            correction: Vec::with_capacity(places.len()),
+            ends: Vec::new(),
+        };
         for (i, place) in places.iter().enumerate() {
             let start = all.bonds.len();
             let mut moment = Matrix::<D>::zeros();
             grid.for_each_near(place, places, |j, away, r2| {
                 let r = r2.sqrt();
+                let kernel = kernel(i, j);
                 if j == i || r >= kernel.cutoff() {
                     return;
                 }
@@ -85,6 +108,18 @@ impl<const D: usize> Bonds<D> {
     #[must_use]
     pub fn of(&self, i: usize) -> &[Bond<D>] {
         &self.bonds[self.offsets[i] as usize..self.offsets[i + 1] as usize]
+    }
+
+    /// Whether the gradients are those of [`Bonds::consist`].
+    #[inline(always)]
+    pub(super) fn is_consistent(&self) -> bool {
+        !self.ends.is_empty()
+    }
+
+    /// The consistent gradients of the bonds of particle `i`, in their order.
+    #[inline(always)]
+    pub(super) fn ends_of(&self, i: usize) -> &[Ends<D>] {
+        &self.ends[self.offsets[i] as usize..self.offsets[i + 1] as usize]
     }
 
     /// Bonds in all, each from both sides.

@@ -88,6 +88,8 @@ pub struct Elastic<const D: usize> {
     /// Forces from outside, N per unit thickness; they stay until set again.
     pub(super) loads: Vec<Vector<D>>,
     pub(super) strains: Vec<Strain<D>>,
+    /// Corrected gradients, beside the consistent ones where those are used.
+    pub(super) fits: Vec<Matrix<D>>,
     /// Factor of the shear modulus.
     pub(super) softness: Vec<f64>,
     /// Inverse of the growth F_g: F_e = F F_g⁻¹; where nothing has grown none.
@@ -126,6 +128,7 @@ impl<const D: usize> Elastic<D> {
             forces: vec![none; n],
             loads: vec![none; n],
             strains: vec![Strain { f: Matrix::identity(), pull: Matrix::zeros() }; n],
+            fits: Vec::new(),
             softness: vec![1.0; n],
             growth: None,
             time: 0.0,
@@ -233,6 +236,13 @@ impl<const D: usize> Elastic<D> {
     /// Factor of the shear modulus of each particle, from the coming forces on.
     pub fn softness_mut(&mut self) -> &mut [f64] {
         &mut self.softness
+    }
+
+    /// Takes gradients that are consistent with a surface from the coming forces on, and hourglass control that is the
+    /// slope of an energy; `skin` is the area vector each particle carries, m^(D-1).
+    pub(super) fn consist(&mut self, skin: &[Vector<D>]) {
+        self.bonds.consist(&self.volumes, skin);
+        self.fits = vec![Matrix::identity(); self.places.len()];
     }
 
     /// Forces anew, with the softness of now.

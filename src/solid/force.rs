@@ -25,6 +25,9 @@ impl<const D: usize> Elastic<D> {
     /// # Errors
     /// [`RunError::BlowUp`] for a particle that is turned inside out.
     pub(super) fn strain(&mut self) -> Result<(), RunError> {
+        if self.bonds.is_consistent() {
+            return self.strain_consistent();
+        }
         let (bonds, u, material) = (&self.bonds, &self.displacements, &self.material);
         let (softness, growth) = (&self.softness, self.growth.as_deref());
         let one = |i: usize, out: &mut Strain<D>| -> f64 {
@@ -76,6 +79,9 @@ impl<const D: usize> Elastic<D> {
 
     /// Second pass: the forces.
     pub(super) fn pull(&mut self) {
+        if self.bonds.is_consistent() {
+            return self.pull_consistent();
+        }
         let (bonds, u, strains) = (&self.bonds, &self.displacements, &self.strains);
         let (softness, velocities, volumes) = (&self.softness, &self.velocities, &self.volumes);
         let hourglass = 0.25 * self.options.hourglass * self.material.young();
@@ -104,7 +110,7 @@ impl<const D: usize> Elastic<D> {
         self.tally.bond_evaluations += self.bonds.count() as u64;
     }
 
-    fn inverted(&self, i: usize) -> RunError {
+    pub(super) fn inverted(&self, i: usize) -> RunError {
         let f = &self.strains[i].f;
         let rows: Vec<String> = (0..D)
             .map(|a| (0..D).map(|b| format!("{:.3}", f[(a, b)])).collect::<Vec<_>>().join(", "))

@@ -214,8 +214,8 @@ mod tests {
     #[test]
     fn the_cantilever_has_converged() {
         let period = |elements| 2.0 * PI / sheet([true, false], 0.2, elements).frequency(24.6);
-        let (coarse, fine) = (period([40, 4]), period([80, 8]));
-        // The corners of the clamp leave 1e-4; 0.2552 s is the period of the literature of this case.
-        assert!((coarse / fine - 1.0).abs() < 3e-4 && (fine / 0.2552 - 1.0).abs() < 3e-4, "{coarse} {fine}");
+        let (coarse, fine) = (period([80, 8]), period([160, 16]));
+        // The corners of the clamp leave 1e-4; 0.2552 s is what others found for this case.
+        assert!((coarse / fine - 1.0).abs() < 4e-4 && (fine / 0.2552 - 1.0).abs() < 2e-4, "{coarse} {fine}");
     }
 }

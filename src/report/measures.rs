@@ -1,0 +1,85 @@
+//! What was measured of elastic solids, and whether walls held, mass is accounted for, and the mechanics
+//! was at rest.
+
+use super::html::table;
+use super::sections::{Check, Verdict};
+use crate::figures::Samples;
+use crate::figures::solids::{courses, ends, names, words};
+use crate::quantity::readable::{grouped, show, significant};
+
+/// Relative deviation of a solid's mass from what it had and was given.
+const MASS: f64 = 1e-6;
+/// Time of the mechanics over that of the chemistry up to which a wall is always in equilibrium.
+const TIMES: f64 = 1e-3;
+
+/// What is measured of every solid: at the end and over all times.
+pub fn measures(samples: &Samples) -> String {
+    let mut out = String::new();
+    for name in names(samples) {
+        let mut several = false;
+        let rows: Vec<Vec<String>> = courses(samples, name)
+            .iter()
+            .filter(|course| !course.times.is_empty())
+            .map(|course| {
+                let [mean, q05, q95, low, high] = ends(course);
+                several |= course.values.len() > 1;
+                // What has no unit stays a plain number.
+                let tell = |v: f64| match course.unit.as_str() {
+                    "" | "1" => significant(v, 4),
+                    unit => show(v, unit),
+                };
+                let band = if course.values.len() > 1 {
+                    format!("{} … {}", tell(q05), tell(q95))
+                } else {
+                    "–".into()
+                };
+                vec![words(&course.quantity), tell(mean), band, tell(low), tell(high)]
+            })
+            .collect();
+        let head =
+            ["", if several { "mean at the end" } else { "at the end" }, "5 … 95 %", "least", "greatest"];
+        if !rows.is_empty() {
+            out +=
+                &format!("<h3>{}</h3>\n{}", crate::figures::escape(name), table(&head, &[1, 2, 3, 4], &rows));
+        }
+    }
+    out
+}
+
+/// Checks of the solids, from what the tables say of them.
+pub fn checks(samples: &Samples) -> Vec<Check> {
+    let judge = |ok: bool| if ok { Verdict::Pass } else { Verdict::Fail };
+    let mut out = Vec::new();
+    for name in names(samples) {
+        for course in courses(samples, name) {
+            let every = course.values.iter().flatten().filter(|v| v.is_finite());
+            let Some(worst) = every.map(|v| v.abs()).reduce(f64::max) else { continue };
+            let (what, found, allowed, verdict) = match course.quantity.as_str() {
+                "escapes" => {
+                    ("Escapes through", grouped(worst.round() as u64), "0".into(), judge(worst == 0.0))
+                }
+                "mass_balance" => (
+                    "Mass unaccounted for, relative, of",
+                    significant(worst, 3),
+                    format!("≤ {}", significant(MASS, 2)),
+                    judge(worst <= MASS),
+                ),
+                "residual" => (
+                    "Largest force out of balance over the loads of",
+                    significant(worst, 3),
+                    "for information".into(),
+                    Verdict::Open,
+                ),
+                "time_ratio" => (
+                    "Time of the mechanics over that of the chemistry of",
+                    significant(worst, 3),
+                    format!("≤ {}", significant(TIMES, 2)),
+                    judge(worst <= TIMES),
+                ),
+                _ => continue,
+            };
+            out.push(Check { name: format!("{what} {name}"), found, allowed, verdict });
+        }
+    }
+    out
+}

@@ -1,0 +1,76 @@
+//! Ways out of a closed wall: gaps between its columns, and places where a surface crosses itself.
+
+use crate::solid::shell::Wall;
+use crate::space::matrix::Matrix;
+use crate::vector::Vector;
+
+impl<const D: usize> Wall<D> {
+    /// Edges of the mesh longer than `widest` (m): what is as small as a particle could slip through.
+    #[must_use]
+    pub fn gaps(&self, nodes: &[Vector<D>], widest: f64) -> usize {
+        let long = |[a, b]: &[u32; 2]| (nodes[*a as usize] - nodes[*b as usize]).norm() > widest;
+        self.edges().iter().filter(|edge| long(edge)).count()
+    }
+
+    /// How many edges of a surface pass through faces of it that they do not touch.
+    #[must_use]
+    pub fn crossings(&self, nodes: &[Vector<D>]) -> usize {
+        let edges = self.edges();
+        let at = |node: u32| &nodes[node as usize];
+        let half = |[a, b]: [u32; 2]| 0.5 * (at(a) - at(b)).norm();
+        let reach = edges.iter().map(|&edge| half(edge)).fold(0.0, f64::max);
+        // Faces by the place of their first node along x, so that only those nearby are looked at.
+        let mut faces: Vec<(f64, &[u32; D])> = self.faces.iter().map(|face| (at(face[0])[0], face)).collect();
+        faces.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut count = 0;
+        for &[a, b] in &edges {
+            let middle = (at(a) + at(b)) * 0.5;
+            let near = 3.0 * reach + half([a, b]);
+            let from = faces.partition_point(|face| face.0 < middle[0] - near);
+            for (_, face) in faces[from..].iter().take_while(|face| face.0 <= middle[0] + near) {
+                let apart = (at(face[0]) - middle).norm_squared() > near * near;
+                if !apart
+                    && !face.contains(&a)
+                    && !face.contains(&b)
+                    && pierces(at(a), at(b), &face.map(|i| *at(i)))
+                {
+                    count += 1;
+                }
+            }
+        }
+        count
+    }
+}
+
+/// Whether the way from `a` to `b` passes through a face.
+fn pierces<const D: usize>(a: &Vector<D>, b: &Vector<D>, face: &[Vector<D>; D]) -> bool {
+    // a + s (b - a) = f_0 + Σ t_k (f_k - f_0), with s and t in 0..1 and Σ t <= 1.
+    let m = Matrix::<D>::from_fn(|row, k| if k == 0 { b[row] - a[row] } else { face[0][row] - face[k][row] });
+    let size = crate::space::matrix::determinant(&m);
+    if size == 0.0 {
+        return false;
+    }
+    let part = crate::space::matrix::inverse(&m) * (face[0] - a);
+    part.iter().all(|x| (0.0..=1.0).contains(x)) && part.iter().skip(1).sum::<f64>() <= 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found<const D: usize>() {
+        let built = Wall::<D>::round(&Vector::zeros(), 0.8, 1.2, 0.1);
+        let mut nodes = built.wall.middle(|i| built.places[i]);
+        assert_eq!((built.wall.crossings(&nodes), built.wall.gaps(&nodes, 0.2)), (0, 0));
+        let right = (0..nodes.len()).max_by(|&a, &b| nodes[a][0].total_cmp(&nodes[b][0])).unwrap();
+        // One node through the other side.
+        nodes[right] *= -1.5;
+        assert!(built.wall.crossings(&nodes) >= D && built.wall.gaps(&nodes, 0.2) >= D);
+    }
+
+    #[test]
+    fn a_wall_through_itself_is_found() {
+        found::<2>();
+        found::<3>();
+    }
+}
