@@ -30,16 +30,17 @@ pub(super) const OF_VESSEL: [(&str, &str); 15] = [
     ("thinnest", "m"),
 ];
 
-/// Of each column of a wall its place on the outer surface, von Mises stress (mean of its layers) and volume.
+/// A line on the outer surface of a wall, closed: in 2D all columns, in 3D the cut with the x-y plane through the middle.
 pub struct OutlineLens {
     name: String,
-    /// Along the outer surface from the first column, m; in 3D the angle from the tip times the body's radius.
+    /// Along the line, m.
     s: Vec<f64>,
     places: Vec<[f64; 3]>,
+    /// Columns at and beside each place, and how much of each.
+    spots: Vec<[(usize, f64); 2]>,
+    /// Of each column: von Mises stress (Pa, mean of its layers), voxels from inside to outside, volume (m³).
     stress: Vec<f64>,
-    /// Voxels of each column, from inside to outside.
     voxels: Vec<Vec<usize>>,
-    /// Volume of each column, m³.
     volumes: Vec<f64>,
 }
 
@@ -80,8 +81,14 @@ pub(super) fn outlines<const D: usize>(scene: &Scene<D>) -> Vec<OutlineLens> {
 
 fn outline<const D: usize>(name: &str, body: &VesselBody<D>, scene: &Scene<D>) -> OutlineLens {
     let (vessel, wall) = (&body.vessel, &body.vessel.wall);
-    let nodes = wall.outer(|i| vessel.solid.position(i));
-    let (order, s) = if D == 2 { around(&wall.faces, &nodes) } else { from_tip(body, &nodes) };
+    let nodes: Vec<Vector<3>> = wall.outer(|i| vessel.solid.position(i)).iter().map(embed).collect();
+    let spots = if D == 2 { around(&wall.faces) } else { cut(&wall.edges(), &nodes) };
+    let at = |spot: &[(usize, f64); 2]| spot.iter().map(|&(c, part)| nodes[c] * part).sum::<Vector<3>>();
+    let places: Vec<Vector<3>> = spots.iter().map(at).collect();
+    let mut s = vec![0.0; places.len()];
+    for k in 1..places.len() {
+        s[k] = s[k - 1] + (places[k] - places[k - 1]).norm();
+    }
     let mises = |i: usize| {
         let sigma = vessel.solid.stress(i);
         let shear = sigma - nalgebra::Matrix3::identity() * (sigma.trace() / 3.0);
@@ -89,44 +96,53 @@ fn outline<const D: usize>(name: &str, body: &VesselBody<D>, scene: &Scene<D>) -
     };
     let column = |c: usize| (0..wall.layers).map(move |layer| wall.particle(c, layer));
     let voxels: Vec<Vec<usize>> =
-        order.iter().map(|&c| column(c).map(|i| body.first + i).collect()).collect();
+        (0..wall.columns).map(|c| column(c).map(|i| body.first + i).collect()).collect();
     OutlineLens {
         name: format!("{name} outline"),
         s,
-        places: order.iter().map(|&c| embed(&nodes[c]).into()).collect(),
-        stress: order.iter().map(|&c| column(c).map(mises).sum::<f64>() / wall.layers as f64).collect(),
+        places: places.iter().map(|&x| x.into()).collect(),
+        spots,
+        stress: (0..wall.columns).map(|c| column(c).map(mises).sum::<f64>() / wall.layers as f64).collect(),
         volumes: voxels.iter().map(|all| all.iter().map(|&i| scene.volumes[i]).sum()).collect(),
         voxels,
     }
 }
 
-/// Columns in the order of a closed line, and how far along it they are (m).
-fn around<const D: usize>(faces: &[[u32; D]], nodes: &[Vector<D>]) -> (Vec<usize>, Vec<f64>) {
-    let mut next = vec![0; nodes.len()];
+/// Columns in the order of a closed line.
+fn around<const D: usize>(faces: &[[u32; D]]) -> Vec<[(usize, f64); 2]> {
+    let mut next = vec![0; faces.len()];
     for face in faces {
         next[face[0] as usize] = face[1] as usize;
     }
-    let (mut at, mut s) = (0, 0.0);
-    let mut found = (Vec::with_capacity(nodes.len()), Vec::with_capacity(nodes.len()));
-    for _ in 0..nodes.len() {
-        found.0.push(at);
-        found.1.push(s);
-        s += (nodes[next[at]] - nodes[at]).norm();
+    let mut at = 0;
+    let step = |_| {
+        let here = at;
         at = next[at];
-    }
-    found
+        [(here, 1.0), (here, 0.0)]
+    };
+    (0..faces.len()).map(step).collect()
 }
 
-/// Columns as they are numbered, and their angle from the tip times the radius of the body (m).
-fn from_tip<const D: usize>(body: &VesselBody<D>, nodes: &[Vector<D>]) -> (Vec<usize>, Vec<f64>) {
-    let outline = body.vessel.outline();
-    let centre = outline.tip - outline.direction * (outline.radius + outline.length);
-    let angle = |x: &Vector<D>| (x - centre).normalize().dot(&outline.direction).clamp(-1.0, 1.0).acos();
-    ((0..nodes.len()).collect(), nodes.iter().map(|x| angle(x) * outline.radius).collect())
+/// Where edges cross the x-y plane through the middle of all nodes, in the order of their angle in it.
+fn cut(edges: &[[u32; 2]], nodes: &[Vector<3>]) -> Vec<[(usize, f64); 2]> {
+    let middle = nodes.iter().sum::<Vector<3>>() / nodes.len().max(1) as f64;
+    let level = |c: usize| nodes[c][2] - middle[2];
+    let mut found: Vec<(f64, [(usize, f64); 2])> = Vec::new();
+    for edge in edges {
+        let [a, b] = edge.map(|c| c as usize);
+        if (level(a) > 0.0) == (level(b) > 0.0) {
+            continue;
+        }
+        let part = level(a) / (level(a) - level(b));
+        let x = nodes[a] * (1.0 - part) + nodes[b] * part - middle;
+        found.push((x[1].atan2(x[0]), [(a, 1.0 - part), (b, part)]));
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().map(|one| one.1).collect()
 }
 
 impl OutlineLens {
-    /// Stress and the mean concentration (mol/m³) of each species in the columns.
+    /// Stress and concentration (mol/m³) of each species along the line, means over the thickness of the wall.
     pub(super) fn look(
         &self,
         plan: &Plan,
@@ -134,21 +150,26 @@ impl OutlineLens {
         (realization, time): (u32, f64),
     ) -> Vec<ProbeRows> {
         let count = plan.reactor.species.len();
-        let rows = |quantity: &str, value: Vec<f64>| ProbeRows {
+        let rows = |quantity: &str, columns: &[f64]| ProbeRows {
             probe: self.name.clone(),
             realization,
             time,
             quantity: quantity.into(),
             s: self.s.clone(),
             position: self.places.clone(),
-            value,
+            value: self
+                .spots
+                .iter()
+                .map(|spot| spot.iter().map(|&(c, part)| part * columns[c]).sum())
+                .collect(),
         };
-        let mut found = vec![rows("stress", self.stress.clone())];
+        let mut found = vec![rows("stress", &self.stress)];
         for (s, species) in plan.reactor.species.iter().enumerate() {
             let there = |(voxels, volume): (&Vec<usize>, &f64)| {
                 voxels.iter().map(|&i| amounts[i * count + s]).sum::<f64>() / (AVOGADRO * volume)
             };
-            found.push(rows(species, self.voxels.iter().zip(&self.volumes).map(there).collect()));
+            let columns: Vec<f64> = self.voxels.iter().zip(&self.volumes).map(there).collect();
+            found.push(rows(species, &columns));
         }
         found
     }

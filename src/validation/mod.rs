@@ -14,6 +14,7 @@ mod cylinder;
 mod duct;
 mod findings;
 mod flow;
+mod fsi_rod;
 mod moving_walls;
 mod natural_convection;
 mod nodes;
@@ -163,6 +164,11 @@ pub const CASES: &[Case] = &[
         name: "beam_modes",
         what: "a slender, a free and a doubly clamped beam, a second mode, one in space (--full: finer)",
         run: beam_modes::beams,
+    },
+    Case {
+        name: "fsi_rod",
+        what: "a soft rod bends in the stream of a micro-channel, against finite elements (--full: coarser and finer)",
+        run: fsi_rod::rod,
     },
     Case {
         name: "thermostat",
