@@ -85,6 +85,9 @@ impl<'p, const D: usize> Scene<'p, D> {
         if let Some(noise) = setup.as_mut().and_then(|setup| setup.noise.as_mut()) {
             noise.realization = u64::from(realization);
         }
+        if let Some(setup) = &mut setup {
+            Scene::couple(plan, setup)?;
+        }
         let mut flow = setup
             .map(|setup| Flow::with_ends(setup, plan.openings.as_ref().map(|openings| openings.open.clone())))
             .transpose()?;

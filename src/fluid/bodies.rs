@@ -7,6 +7,7 @@ use crate::fluid::motion::Motion;
 use crate::fluid::pass::Pair;
 use crate::fluid::rigid::{Rigid, embed};
 use crate::fluid::setup::{Body, BodyKind, Slip};
+use crate::space::Grid;
 use crate::vector::Vector;
 
 /// How many times a wall shows its velocity to the fluid: once at the surface, and up to twice more continued behind it.
@@ -93,14 +94,7 @@ impl<const D: usize> Flow<D> {
                 rigid.weigh(&own, &self.domain);
                 self.asks[number] = true;
             }
-            if let BodyKind::Solid { motion: Motion::Elastic(coupled), surface, .. } =
-                &mut self.bodies[number].kind
-            {
-                if let Some(surface) = surface {
-                    coupled.find_faces(surface, &self.domain);
-                }
-                self.asks[number] = true;
-            }
+            self.asks[number] |= self.bodies[number].is_elastic();
         }
     }
 
@@ -265,6 +259,7 @@ impl<const D: usize> Flow<D> {
     /// A free or elastic body must not run into a wall of the box or another solid: nothing would keep it out. Elastic ones
     /// are asked for their free particles.
     pub(super) fn check_bodies(&self) -> Result<(), RunError> {
+        let bent = self.bent();
         for &i in &self.solids {
             let (side, here) = (&self.sides[i as usize], &self.positions[i as usize]);
             let body = &self.bodies[usize::from(side.body)];
@@ -290,7 +285,7 @@ impl<const D: usize> Flow<D> {
             }
             for (other, number) in self.bodies.iter().zip(0_u8..) {
                 let BodyKind::Solid { motion, surface: Some(surface), .. } = &other.kind else { continue };
-                // An elastic one asks all its particles for each place: those of others say where it is.
+                // An elastic one is asked below.
                 if number == side.body || other.is_elastic() {
                     continue;
                 }
@@ -301,8 +296,35 @@ impl<const D: usize> Flow<D> {
                     return Err(self.collision(i, what, distance));
                 }
             }
+            for (number, places, grid, least) in bent.iter().filter(|one| one.0 != side.body) {
+                let mut nearest = *least;
+                grid.for_each_near(here, places, |_, _, r2| nearest = nearest.min(r2.sqrt()));
+                if nearest < *least {
+                    let other = &self.bodies[usize::from(*number)].name;
+                    let what =
+                        format!("distance (m) of the body `{}` from a particle of `{other}`", body.name);
+                    return Err(self.collision(i, what, nearest));
+                }
+            }
         }
         Ok(())
+    }
+
+    /// Where the particles of elastic bodies are, and how near (m) nothing else may come to them: half an edge. None where
+    /// one body moves alone.
+    fn bent(&self) -> Vec<(u8, Vec<Vector<D>>, Grid<D>, f64)> {
+        if self.bodies.iter().filter(|body| body.is_free() || body.is_elastic()).count() < 2 {
+            return Vec::new();
+        }
+        let all = self.elastic_bodies().map(|(number, coupled)| {
+            let n = coupled.solid().len();
+            let places: Vec<Vector<D>> =
+                (0..n).map(|i| self.domain.wrap(&coupled.solid().position(i))).collect();
+            let least = 0.5 * (0..n).map(|i| coupled.edge(i)).fold(0.0, f64::max);
+            let grid = Grid::build(&places, &self.domain, least);
+            (number, places, grid, least)
+        });
+        all.collect()
     }
 
     fn collision(&self, i: u32, quantity: String, value: f64) -> RunError {

@@ -5,6 +5,9 @@
 //! solid particle gets exactly the opposite of what its fluid contacts get, friction and pressure, so that the momentum
 //! of fluid and solid is kept to rounding.
 //!
+//! Each solid particle shows the fluid its own velocity, not one continued to the surface: a force that goes with the
+//! velocity of another particle than it acts on does not always damp, and fed thickness modes until the solid shook.
+//!
 //! A place x near solid particle n is that of the undeformed solid at
 //!
 //! ```text
@@ -15,11 +18,8 @@
 
 use crate::error::RunError;
 use crate::fluid::motion::Motion;
-use crate::fluid::setup::Surface;
-use crate::fluid::wall::{direction, gradient};
-use crate::solid::{Elastic, ElasticState};
+use crate::solid::{Elastic, ElasticState, StepLimit};
 use crate::space::matrix::{Matrix, inverse};
-use crate::space::{Domain, Grid};
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 
@@ -27,20 +27,23 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone)]
 pub struct Coupled<const D: usize> {
     solid: Elastic<D>,
-    /// The longest step of the solid, s.
-    longest: f64,
+    /// The longest step of the solid.
+    limit: StepLimit,
     /// Acceleration that the pressure at the surface is told, m/s²: the mean over the time sound takes across it.
     pull: Vec<Vector<D>>,
     /// m/s, when the acceleration was last told.
     before: Vec<Vector<D>>,
     /// F⁻¹.
     back: Vec<Matrix<D>>,
-    /// The particle at the surface before each particle, and the way from it to the surface at rest, m.
-    faces: Option<Vec<(u32, Vector<D>)>>,
-    /// Velocity of the surface before each particle, m/s.
-    shown: Vec<Vector<D>>,
+    /// Steps of the solid until the longest one is found again.
+    left: u64,
+    /// The largest stretch so far.
+    stretch: f64,
     held: bool,
 }
+
+/// Steps of a solid after which the longest stable one is found again: what is stretched swings faster.
+const RENEWED: u64 = 2000;
 
 /// What is kept of a [`Coupled`] solid.
 #[derive(Serialize, Deserialize)]
@@ -48,6 +51,9 @@ pub(super) struct Kept<'a, const D: usize> {
     solid: ElasticState<'a, D>,
     pull: std::borrow::Cow<'a, [Vector<D>]>,
     before: std::borrow::Cow<'a, [Vector<D>]>,
+    longest: f64,
+    left: u64,
+    stretch: f64,
     held: bool,
 }
 
@@ -58,18 +64,17 @@ impl<const D: usize> Coupled<D> {
     /// As [`Elastic::step`].
     pub fn motion(mut solid: Elastic<D>) -> Result<Motion<D>, RunError> {
         let n = solid.len();
-        let longest = solid.step_limit()?;
-        let mut coupled = Coupled {
-            longest,
+        let limit = solid.limit()?;
+        let coupled = Coupled {
+            limit,
             pull: vec![Vector::zeros(); n],
             before: solid.velocities().to_vec(),
             back: (0..n).map(|i| inverse(&solid.gradient(i))).collect(),
-            faces: None,
-            shown: vec![Vector::zeros(); n],
+            left: RENEWED,
+            stretch: 1.0,
             held: false,
             solid,
         };
-        coupled.tell(0.0, 1.0);
         Ok(Motion::Elastic(Box::new(coupled)))
     }
 
@@ -84,22 +89,22 @@ impl<const D: usize> Coupled<D> {
         &mut self.solid
     }
 
-    /// Longest step of the solid, s.
+    /// Longest step of the solid, and what limits it.
     #[must_use]
-    pub fn longest(&self) -> f64 {
-        self.longest
+    pub fn limit(&self) -> &StepLimit {
+        &self.limit
+    }
+
+    /// The largest stretch of a particle so far.
+    #[must_use]
+    pub fn largest_stretch(&self) -> f64 {
+        self.stretch
     }
 
     /// Velocity of particle `row` of the solid, m/s.
     #[must_use]
     pub fn velocity(&self, row: usize) -> Vector<D> {
         if self.held { Vector::zeros() } else { self.solid.velocities()[row] }
-    }
-
-    /// Velocity of the surface before particle `row`, m/s; where that is not known the particle's own.
-    #[must_use]
-    pub fn velocity_of_surface(&self, row: usize) -> Vector<D> {
-        if self.held { Vector::zeros() } else { self.shown[row] }
     }
 
     /// Acceleration of particle `row` as the pressure at the surface is told it, m/s².
@@ -144,31 +149,6 @@ impl<const D: usize> Coupled<D> {
         (0..self.solid.len()).fold((0, f64::INFINITY), nearer).0
     }
 
-    /// Finds what of the solid is at the surface, from its signed distance at rest (m).
-    pub(super) fn find_faces(&mut self, surface: &Surface<D>, domain: &Domain<D>) {
-        let places = self.solid.places();
-        let reach = 2.0 * (0..places.len()).map(|i| self.edge(i)).fold(0.0, f64::max);
-        let grid = Grid::build(places, domain, reach);
-        let face = |i: usize| {
-            let (here, edge) = (places[i], self.edge(i));
-            let distance = |x: &Vector<D>| surface(&domain.wrap(x));
-            let depth = -distance(&here);
-            let out = direction(&gradient(distance, &here, 1e-4 * edge));
-            let there = here + out * depth.max(0.0);
-            let mut nearest = (i, here - there, f64::INFINITY);
-            grid.for_each_near(&there, places, |j, away, r2| {
-                if r2 < nearest.2 {
-                    nearest = (j, away, r2);
-                }
-            });
-            let (j, away, least) = nearest;
-            // A surface without particles near it is not that of the solid.
-            if least.is_finite() { (j as u32, away) } else { (i as u32, Vector::zeros()) }
-        };
-        self.faces = Some((0..places.len()).map(face).collect());
-        self.tell(0.0, 1.0);
-    }
-
     /// Holds the solid where it is, at rest.
     pub(super) fn hold(&mut self) {
         self.held = true;
@@ -191,9 +171,16 @@ impl<const D: usize> Coupled<D> {
     /// The solid's own motion over `dt` (s).
     pub(super) fn drift(&mut self, dt: f64) -> Result<(), RunError> {
         if !self.held {
-            self.solid.glide(dt, self.longest)?;
+            let before = self.solid.tally().particle_steps;
+            self.solid.glide(dt, self.limit.seconds)?;
+            let steps = (self.solid.tally().particle_steps - before) / self.solid.len().max(1) as u64;
+            self.left = self.left.saturating_sub(steps);
+            if self.left == 0 {
+                (self.limit, self.left) = (self.solid.limit()?, RENEWED);
+            }
             for (i, back) in self.back.iter_mut().enumerate() {
                 *back = inverse(&self.solid.gradient(i));
+                self.stretch = self.stretch.max(self.solid.stretch(i));
             }
         }
         Ok(())
@@ -202,17 +189,6 @@ impl<const D: usize> Coupled<D> {
     /// What the fluid is to see of the velocities after a step of `dt` (s); `time` (s) is that of the mean of the
     /// acceleration.
     pub(super) fn tell(&mut self, dt: f64, time: f64) {
-        let solid = &self.solid;
-        match &self.faces {
-            // By the outermost particle: a gradient from further down would make more of its noise than there is.
-            Some(faces) => {
-                for (shown, (face, way)) in self.shown.iter_mut().zip(faces) {
-                    let face = *face as usize;
-                    *shown = solid.velocities()[face] + solid.rate_of_gradient(face) * way;
-                }
-            }
-            None => self.shown.copy_from_slice(solid.velocities()),
-        }
         if self.held || dt <= 0.0 {
             return;
         }
@@ -229,6 +205,9 @@ impl<const D: usize> Coupled<D> {
             solid: self.solid.image(),
             pull: (&self.pull[..]).into(),
             before: (&self.before[..]).into(),
+            longest: self.limit.seconds,
+            left: self.left,
+            stretch: self.stretch,
             held: self.held,
         }
     }
@@ -240,18 +219,18 @@ impl<const D: usize> Coupled<D> {
         }
         self.solid.restore(kept.solid)?;
         (self.pull, self.before) = (kept.pull.into_owned(), kept.before.into_owned());
-        self.held = kept.held;
+        (self.limit.seconds, self.left) = (kept.longest, kept.left);
+        (self.stretch, self.held) = (kept.stretch, kept.held);
         for (i, back) in self.back.iter_mut().enumerate() {
             *back = inverse(&self.solid.gradient(i));
         }
-        self.tell(0.0, 1.0);
         Some(())
     }
 }
 
 impl<const D: usize> std::fmt::Debug for Coupled<D> {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "Coupled {{ particles: {}, longest: {} }}", self.solid.len(), self.longest)
+        write!(f, "Coupled {{ particles: {}, longest: {} }}", self.solid.len(), self.limit.seconds)
     }
 }
 

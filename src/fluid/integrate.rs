@@ -378,11 +378,7 @@ impl<const D: usize> Flow<D> {
                             Motion::Elastic(coupled) => {
                                 let number = numbers[sides[i].id as usize] as usize;
                                 let wall = Moving {
-                                    // At the place itself where no direction leads out.
-                                    velocity: |x: &Vector<D>| match *x == Vector::<D>::zeros() {
-                                        true => coupled.velocity(number),
-                                        false => coupled.velocity_of_surface(number),
-                                    },
+                                    velocity: |_: &Vector<D>| coupled.velocity(number),
                                     acceleration: coupled.acceleration(number),
                                     gravity,
                                     continuation,

@@ -176,11 +176,7 @@ impl<const D: usize> Obstacles<'_, D> {
 }
 
 /// Gradient of a distance at a place, by difference quotients of `step` (m).
-pub(super) fn gradient<const D: usize>(
-    distance: impl Fn(&Vector<D>) -> f64,
-    place: &Vector<D>,
-    step: f64,
-) -> Vector<D> {
+fn gradient<const D: usize>(distance: impl Fn(&Vector<D>) -> f64, place: &Vector<D>, step: f64) -> Vector<D> {
     Vector::from_fn(|k, _| {
         let (mut up, mut down) = (*place, *place);
         up[k] += step;
@@ -190,7 +186,7 @@ pub(super) fn gradient<const D: usize>(
 }
 
 /// A vector of length one along another, or none along none.
-pub(super) fn direction<const D: usize>(x: &Vector<D>) -> Vector<D> {
+fn direction<const D: usize>(x: &Vector<D>) -> Vector<D> {
     let length = x.norm();
     if length > 0.0 { x / length } else { Vector::zeros() }
 }
@@ -294,5 +290,72 @@ mod tests {
         let mut beyond = V::new(7.0, 5.25);
         assert!(obstacles.keep_in_box(&mut beyond));
         assert_eq!(beyond, V::new(7.0, 4.75));
+    }
+
+    /// A block turned by a radian and stretched by 1.3: what is inside it is found in its undeformed frame and mirrored at
+    /// its nearest face, what is outside stays.
+    #[test]
+    fn a_place_inside_a_bent_solid_is_mirrored_out() {
+        use crate::fluid::blocks::build_blocks;
+        use crate::fluid::particles::Material;
+        use crate::fluid::terms::tests::side;
+        use crate::fluid::{Coupled, Kernel, KernelKind};
+        use crate::solid::{self, Elastic, Hold, Law};
+        let domain = Domain { min: V::repeat(-20.0), max: V::repeat(20.0), periodic: [false; 2] };
+        let places: Vec<V> =
+            (0..60).map(|k| V::new(0.5 + f64::from(k % 12), 0.5 + f64::from(k / 12))).collect();
+        let mut solid = Elastic::new(solid::Setup {
+            domain: domain.clone(),
+            kernel: KernelKind::Lucy,
+            cutoff: 1.6,
+            volumes: vec![1.0; places.len()],
+            holds: vec![Hold::Free; places.len()],
+            places,
+            material: solid::Material::of_young(Law::NeoHookean, 1.0, 1.0, 0.3),
+            options: solid::Options::default(),
+        })
+        .expect("a sound solid");
+        let (sin, cos) = 1.0_f64.sin_cos();
+        let map = move |x: &V| V::new(1.3 * cos * x[0] - sin * x[1], 1.3 * sin * x[0] + cos * x[1]);
+        solid.displace(|x| map(x) - x).expect("not inside out");
+        let mut positions: Vec<V> = (0..solid.len()).map(|i| solid.position(i)).collect();
+        let surface: Arc<dyn Fn(&V) -> f64 + Send + Sync> =
+            Arc::new(|x| (-x[0]).max(x[0] - 12.0).max(-x[1]).max(x[1] - 5.0));
+        let motion = Coupled::motion(solid).expect("a sound solid");
+        let kind = BodyKind::Solid { slip: Slip::NoSlip, motion, surface: Some(surface) };
+        let bodies = [Body { name: "block".to_owned(), kind }];
+        let rows: Vec<u32> = (0..61).collect();
+        let mut sides: Vec<Side<2>> =
+            (0..61).map(|id| Side { material: Material::NoSlip, body: 0, id, ..side(1.0, 0.0) }).collect();
+        sides[60] = Side { material: Material::Fluid, body: 1, id: 60, ..side(1.0, 0.0) };
+        // Inside, by the place at rest, and where it is to come out; the last two are outside.
+        for (inside, out) in [
+            (V::new(6.3, 4.8), V::new(6.3, 5.2)),
+            (V::new(0.3, 2.4), V::new(-0.3, 2.4)),
+            (V::new(3.0, -0.1), V::new(3.0, -0.1)),
+            (V::new(12.2, 2.0), V::new(12.2, 2.0)),
+        ] {
+            positions.truncate(60);
+            positions.push(map(&inside));
+            let mut blocks = Vec::new();
+            build_blocks(&mut blocks, &positions, &sides, &domain, 3.0, true);
+            let kernel = Kernel::new(KernelKind::Lucy, 3.0);
+            blocks[0].find(&kernel, None, &domain.shortest(), (&positions, &sides));
+            let obstacles = Obstacles {
+                bodies: &bodies,
+                rows: &rows,
+                domain: &domain,
+                time: 0.0,
+                dt: 0.1,
+                surface_fraction: 0.49,
+                spacing: 1.0,
+                closed: [false; 2],
+            };
+            let near = Near { block: &blocks[0], row: 60, here: positions[60], sides: &sides };
+            let (mut place, mut stays) = (positions[60], false);
+            obstacles.push_out(&mut place, &mut stays, &near);
+            // To a millionth of the spacing beyond the mirror image.
+            assert!(!stays && (place - map(&out)).norm() < 1e-5, "{inside} {place} {}", map(&out));
+        }
     }
 }

@@ -93,7 +93,7 @@ fn solids<'a, const D: usize>(
 /// Places of the particles that flow.
 fn flowing<const D: usize>(plan: &ParticlePlan<D>) -> Vec<Vector<D>> {
     let all = plan.particles.iter().zip(&plan.home);
-    all.filter(|pair| !plan.is_wall(*pair.1)).map(|pair| pair.0.position).collect()
+    all.filter(|pair| plan.flows(*pair.1)).map(|pair| pair.0.position).collect()
 }
 
 /// The direction out of a solid, by difference quotients.
@@ -268,7 +268,8 @@ fn deep_corners<const D: usize>(
     let mut deepest: Option<Spot<D>> = None;
     let mut count = 0;
     for (i, x) in places.iter().enumerate() {
-        if plan.is_wall(plan.home[i]) {
+        let body = &setup.bodies[usize::from(setup.particles[i].body)];
+        if matches!(body.kind, BodyKind::Solid { .. }) {
             continue;
         }
         let (mut solid, mut all) = (0.0, 0.0);

@@ -74,8 +74,9 @@ fn fill<const D: usize>(
     let walls: Vec<(&crate::geometry::Shape, u8)> = domain
         .groups
         .iter()
-        .filter(|group| matches!(group.material, Material::Wall { .. }))
+        .filter(|group| matches!(group.material, Material::Wall { .. } | Material::Solid))
         .zip(1_u8..)
+        .filter(|(group, _)| group.material != Material::Solid)
         .map(|(group, body)| (&group.shape, body))
         .filter(|(shape, _)| **shape != crate::geometry::Shape::EverythingElse)
         .collect();

@@ -124,6 +124,11 @@ impl<const D: usize> ParticlePlan<D> {
                     bodies.push(wall_body(domain, g, group, free_slip));
                     bodies.len() - 1
                 }
+                // How it moves is known when it is built.
+                Material::Solid if domain.fluid.is_some() => {
+                    bodies.push(wall_body(domain, g, group, false));
+                    bodies.len() - 1
+                }
                 _ => 0,
             };
             // Points on a surface that two groups share go to the one that comes first.
@@ -131,7 +136,7 @@ impl<const D: usize> ParticlePlan<D> {
                 solid.iter().take_while(|other| other.name != group.name).map(|other| &other.shape).collect();
             let described = domain.solids.iter().position(|solid| solid.group == g);
             let mut found = match described {
-                Some(k) => solids::places(&domain.solids[k], group, (&min, &max), &mut random),
+                Some(k) => solids::places(domain, &domain.solids[k], (&min, &max), &mut random),
                 None => fill::<D>(&region, &min, &max, &mut random),
             };
             found.retain(|(x, _)| {
@@ -147,7 +152,7 @@ impl<const D: usize> ParticlePlan<D> {
             }
             check_overlap(group, &found, &solid, faults);
             if let Some(k) = described.filter(|_| !found.is_empty()) {
-                let at = (&space, particles.len());
+                let at = (&space, particles.len(), body);
                 elastic[k] = Some(solids::solid(domain, &domain.solids[k], at, &found, faults));
             }
             for (position, volume) in found {
@@ -226,6 +231,12 @@ impl<const D: usize> ParticlePlan<D> {
     #[must_use]
     pub fn is_wall(&self, home: u8) -> bool {
         self.walls[usize::from(home)]
+    }
+
+    /// Whether the particles of a home group are fluid that flows.
+    #[must_use]
+    pub fn flows(&self, home: u8) -> bool {
+        self.flow.is_some() && !self.is_wall(home) && !self.solids.iter().any(|solid| solid.group == home)
     }
 
     /// A particle is in one zone at a time.
@@ -309,8 +320,12 @@ impl<const D: usize> ParticlePlan<D> {
                 || (0..D).filter(|&k| !open[k] && (cell[k] < 0 || cell[k] >= cells[k])).filter_map(body_of);
             // The corners go with a side that moves: a lid that ended where the fluid ends would seem to the fluid at
             // its ends to draw matter in and push it out (the cavity's core turned 10 % too fast).
-            if let Some(body) = sides().find(|&body| moves(body)).or_else(|| sides().next()) {
-                let position = Vector::from_fn(|k, _| self.domain.min[k] + (cell[k] as f64 + 0.5) * spacing);
+            let position = Vector::from_fn(|k, _| self.domain.min[k] + (cell[k] as f64 + 0.5) * spacing);
+            // An elastic solid may be held by what of it reaches into the wall.
+            let taken = domain.solids.iter().any(|s| domain.groups[s.group].shape.holds(&embed(&position)));
+            if let Some(body) =
+                sides().find(|&body| moves(body)).or_else(|| sides().next()).filter(|_| !taken)
+            {
                 self.particles.push(Placed { position, volume: spacing.powi(D as i32), body: body as u8 });
                 self.home.push(boundary);
             }

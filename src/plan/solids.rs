@@ -2,16 +2,15 @@
 
 use super::particles::narrow;
 use super::{Plan, thickness::thinnest};
-use crate::error::Fault;
+use crate::error::{Fault, RunError};
 use crate::fluid::Domain;
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Lattice, fill};
 use crate::model::fluid::Velocity;
-use crate::model::groups::Group;
 use crate::model::solids::{Form, Placement, Softening};
-use crate::model::{Mechanics, ParticleDomain, SolidModel};
+use crate::model::{Boundary, Mechanics, ParticleDomain, SolidModel};
 use crate::quantity::readable::length;
-use crate::solid::{Hold, Options, Setup};
+use crate::solid::{Elastic, Hold, Options, Setup};
 use crate::vector::Vector;
 use rand::Rng;
 use std::sync::Arc;
@@ -26,6 +25,8 @@ pub struct SolidPlan<const D: usize> {
     pub name: String,
     /// Number of its first particle; the others follow.
     pub first: usize,
+    /// Its number among the bodies of the flow, if there is one.
+    pub body: u8,
     pub setup: Setup<D>,
     /// At t = 0.
     pub velocity: Velocity,
@@ -36,13 +37,34 @@ pub struct SolidPlan<const D: usize> {
     pub thickness: f64,
 }
 
+impl<const D: usize> SolidPlan<D> {
+    /// The solid at t = 0.
+    ///
+    /// # Errors
+    /// A solid that cannot be built.
+    pub fn elastic(&self) -> Result<Elastic<D>, RunError> {
+        let mut elastic = Elastic::new(self.setup.clone())?;
+        if !self.velocity.is_zero() {
+            elastic.set_velocity(|x| narrow(&self.velocity.at(&embed(x))));
+        }
+        Ok(elastic)
+    }
+}
+
 /// Places and volumes of the particles of a solid.
 pub(super) fn places<const D: usize>(
+    domain: &ParticleDomain,
     solid: &SolidModel,
-    group: &Group,
     (min, max): (&Vector<D>, &Vector<D>),
     random: &mut impl Rng,
 ) -> Vec<(Vector<D>, f64)> {
+    let group = &domain.groups[solid.group];
+    // It may reach into the walls round the box, as deep as they are.
+    let depth = Vector::from_fn(|k, _| match domain.boundaries[k] {
+        Boundary::Periodic | Boundary::Open => 0.0,
+        _ => (domain.support - 1e-9).ceil() * domain.spacing,
+    });
+    let (min, max) = (min - depth, max + depth);
     let region = Fill {
         shape: &group.shape,
         without: Vec::new(),
@@ -51,7 +73,7 @@ pub(super) fn places<const D: usize>(
         jitter: 0.0,
     };
     match solid.placement {
-        Placement::Lattice | Placement::Layers => fill::<D>(&region, min, max, random),
+        Placement::Lattice | Placement::Layers => fill::<D>(&region, &min, &max, random),
     }
 }
 
@@ -59,7 +81,7 @@ pub(super) fn places<const D: usize>(
 pub(super) fn solid<const D: usize>(
     domain: &ParticleDomain,
     solid: &SolidModel,
-    (space, first): (&Domain<D>, usize),
+    (space, first, body): (&Domain<D>, usize, usize),
     found: &[(Vector<D>, f64)],
     faults: &mut Vec<Fault>,
 ) -> SolidPlan<D> {
@@ -72,12 +94,13 @@ pub(super) fn solid<const D: usize>(
         group: solid.group as u8,
         name: group.name.clone(),
         first,
+        body: body as u8,
         setup: Setup {
             domain: space.clone(),
             kernel: domain.kernel,
             cutoff: solid.support * solid.spacing,
             volumes: found.iter().map(|(_, volume)| *volume).collect(),
-            holds: holds(solid, &places, faults),
+            holds: holds(solid, (space, &places), faults),
             places,
             material: solid.material,
             options: Options {
@@ -154,13 +177,14 @@ fn check_unknown(domain: &ParticleDomain, solid: &SolidModel, faults: &mut Vec<F
     if domain.mechanics != Mechanics::Dynamic {
         refuse(entry, "models know dynamic solids only", "remove `mechanics`");
     }
-    if domain.fluid.is_some() {
-        refuse(entry, "models know no elastic solids in a fluid", "set fluid: { method: none }");
-    }
 }
 
 /// What holds each particle.
-fn holds<const D: usize>(solid: &SolidModel, places: &[Vector<D>], faults: &mut Vec<Fault>) -> Vec<Hold<D>> {
+fn holds<const D: usize>(
+    solid: &SolidModel,
+    (space, places): (&Domain<D>, &[Vector<D>]),
+    faults: &mut Vec<Fault>,
+) -> Vec<Hold<D>> {
     let entry = &solid.places.entry;
     let mut refuse = |place: Option<&crate::error::Place>, reason: String, remedy: &str| {
         faults.push(Fault::at(place.unwrap_or(entry), reason, remedy));
@@ -185,6 +209,12 @@ fn holds<const D: usize>(solid: &SolidModel, places: &[Vector<D>], faults: &mut 
             }
             (false, None) => Hold::Free,
         });
+    }
+    let loose = places.iter().zip(&holds).find(|(x, hold)| matches!(hold, Hold::Free) && space.is_beyond(x));
+    if let Some((x, _)) = loose {
+        let x = crate::quantity::readable::show_vector(x.as_slice(), "m");
+        let words = "clamp or drive what of it lies beyond the box, or make the box larger";
+        refuse(None, format!("the solid reaches out of the box at {x} and is not held there"), words);
     }
     let words = "make the shape larger: it must hold particles of the solid, which lie half a spacing inside its surface";
     if solid.clamped.is_some() && clamped == 0 {

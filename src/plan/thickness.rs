@@ -22,7 +22,7 @@ pub(super) fn thinnest<const D: usize>(
         let mut deepest = true;
         grid.for_each_near(place, places, |j, _, _| deepest &= depths[j] <= depths[i] + 1e-9 * spacing);
         if deepest {
-            let (x, deep) = climb(place, spacing, &depth);
+            let (x, deep) = climb(place, spacing, depth);
             if 2.0 * deep < least.0 {
                 least = (2.0 * deep, embed(&x));
             }

@@ -42,6 +42,11 @@ impl Row {
 const OF_SOLID: [(&str, &str); 3] =
     [("kinetic_energy", "J"), ("elastic_energy", "J"), ("largest_stretch", "1")];
 
+/// Name of the force of the fluid along an axis.
+fn force_along(axis: usize) -> String {
+    format!("force_{}", axis_name(axis))
+}
+
 /// All that is seen of the solids of a scene now.
 #[must_use]
 pub fn rows<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Vec<Row> {
@@ -51,13 +56,13 @@ pub fn rows<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Vec<Row> {
         for point in plan.model.output.points.iter().filter(|p| p.group == usize::from(solid.group)) {
             found.extend(of_point(point, elastic));
         }
-        found.extend(of_solid(&solid.name, elastic, scene.plan.thickness));
+        found.extend(of_solid(&solid.name, elastic, scene.plan.thickness, scene.force_on_solid(number)));
     }
     found
 }
 
 /// Displacement and velocity of the material that was at a place X at rest, from the particle next to it at X_n:
-/// u = u_n + (F_n - 1)(X - X_n), v = v_n + F_n' (X - X_n).
+/// u = u_n + (F_n - 1)(X - X_n), v = v_n.
 fn of_point<const D: usize>(point: &Point, elastic: &Elastic<D>) -> Vec<Row> {
     let place = Vector::<D>::from_fn(|k, _| point.at[k]);
     let away = |i: usize| (elastic.places()[i] - place).norm_squared();
@@ -77,23 +82,28 @@ fn of_point<const D: usize>(point: &Point, elastic: &Elastic<D>) -> Vec<Row> {
     moves.chain(speeds).collect()
 }
 
-/// Energies (of the depth that a model of fewer than three dimensions stands for) and the largest stretch.
-fn of_solid<const D: usize>(name: &str, elastic: &Elastic<D>, thickness: f64) -> Vec<Row> {
+/// Energies (of the depth that a model of fewer than three dimensions stands for), the largest stretch, and the force of
+/// the fluid, if there is one.
+fn of_solid<const D: usize>(
+    name: &str,
+    elastic: &Elastic<D>,
+    thickness: f64,
+    force: Option<Vector<D>>,
+) -> Vec<Row> {
     let n = elastic.len();
     let mass: f64 = (0..n).map(|i| elastic.mass(i)).sum();
     let centre =
         (0..n).fold(Vector::<D>::zeros(), |sum, i| sum + elastic.position(i) * elastic.mass(i)) / mass;
     let stretch = (0..n).map(|i| elastic.stretch(i)).fold(0.0, f64::max);
     let values = [elastic.kinetic_energy() * thickness, elastic.elastic_energy() * thickness, stretch];
+    let forces = force.into_iter().flat_map(|force| (0..D).map(move |k| (force_along(k), force[k])));
+    let row = |(quantity, value)| Row { name: name.into(), quantity, at: embed(&centre).into(), value };
     OF_SOLID
         .iter()
         .zip(values)
-        .map(|((quantity, _), value)| Row {
-            name: name.into(),
-            quantity: (*quantity).into(),
-            at: embed(&centre).into(),
-            value,
-        })
+        .map(|((quantity, _), value)| ((*quantity).into(), value))
+        .chain(forces)
+        .map(row)
         .collect()
 }
 
@@ -104,6 +114,8 @@ pub fn records(model: &Model) -> Vec<ProbeRecord> {
     let components = |letter: &'static str, unit: &'static str| {
         (0..domain.dimensions).map(move |k| (format!("{letter}{}", axis_name(k)), unit.to_string()))
     };
+    let axes = if domain.fluid.is_some() { domain.dimensions } else { 0 };
+    let forces = || (0..axes).map(|k| (force_along(k), "N".to_string()));
     let points = model.output.points.iter().map(|point| ProbeRecord {
         name: point.name.clone(),
         kind: "point".into(),
@@ -112,7 +124,7 @@ pub fn records(model: &Model) -> Vec<ProbeRecord> {
     let solids = domain.solids.iter().map(|solid| ProbeRecord {
         name: domain.groups[solid.group].name.clone(),
         kind: "solid".into(),
-        quantities: OF_SOLID.iter().map(|&(name, unit)| (name.into(), unit.into())).collect(),
+        quantities: OF_SOLID.iter().map(|&(name, unit)| (name.into(), unit.into())).chain(forces()).collect(),
     });
     points.chain(solids).collect()
 }

@@ -1,10 +1,9 @@
-//! The elastic solids of a scene that no fluid moves: their steps, what is seen of them, and what softens them.
+//! The elastic solids of a scene: the steps of those that no fluid moves, what is seen of them, and what softens them.
 
 use super::Scene;
 use crate::chemistry::AVOGADRO;
 use crate::error::RunError;
-use crate::fluid::Snapshot;
-use crate::geometry::shape::embed;
+use crate::fluid::{BodyKind, Coupled, Flow, Setup};
 use crate::plan::{ParticlePlan, SolidPlan};
 use crate::quantity::readable::{show, show_vector};
 use crate::solid::{Elastic, ElasticState, StepLimit};
@@ -63,13 +62,7 @@ impl<const D: usize> SolidBody<D> {
     /// # Errors
     /// A solid that cannot be built.
     pub fn new(plan: &SolidPlan<D>, number: usize) -> Result<SolidBody<D>, RunError> {
-        let mut elastic = Elastic::new(plan.setup.clone())?;
-        if !plan.velocity.is_zero() {
-            elastic.set_velocity(|x| {
-                let velocity = plan.velocity.at(&embed(x));
-                Vector::from_fn(|k, _| velocity[k])
-            });
-        }
+        let mut elastic = plan.elastic()?;
         let limit = elastic.limit()?;
         let pace = Pace { longest: limit.seconds, left: RENEWED, largest_stretch: 1.0, steps: 0 };
         Ok(SolidBody { number, group: plan.group, first: plan.first, elastic, limit, pace })
@@ -118,20 +111,6 @@ impl<const D: usize> SolidBody<D> {
             other => other,
         }
     }
-
-    /// Shows places, velocities, volumes, densities and pressures.
-    fn show(&self, plan: &ParticlePlan<D>, snapshot: &mut Snapshot<D>) {
-        for i in 0..self.elastic.len() {
-            let at = self.first + i;
-            let volume = self.elastic.volume(i);
-            snapshot.position[at] = plan.domain.wrap(&self.elastic.position(i));
-            snapshot.velocity[at] = self.elastic.velocities()[i];
-            snapshot.volume[at] = volume;
-            snapshot.density[at] = self.elastic.mass(i) / volume;
-            snapshot.pressure[at] = -self.elastic.stress(i).trace() / 3.0;
-            snapshot.volume_fraction[at] = 1.0;
-        }
-    }
 }
 
 impl<'p, const D: usize> Scene<'p, D> {
@@ -140,15 +119,46 @@ impl<'p, const D: usize> Scene<'p, D> {
         plan.solids.iter().enumerate().map(|(number, solid)| SolidBody::new(solid, number)).collect()
     }
 
+    /// Makes the bodies of a flow that are elastic what the plan says of them.
+    ///
+    /// # Errors
+    /// A solid that cannot be built.
+    pub(super) fn couple(plan: &ParticlePlan<D>, setup: &mut Setup<D>) -> Result<(), RunError> {
+        for solid in &plan.solids {
+            let Some(body) = setup.bodies.get_mut(usize::from(solid.body)) else { continue };
+            if let BodyKind::Solid { motion, .. } = &mut body.kind {
+                *motion = Coupled::motion(solid.elastic()?)?;
+            }
+        }
+        Ok(())
+    }
+
     /// The longest steps of the solids, in the order of the plan.
     #[must_use]
     pub fn solid_steps(&self) -> Vec<StepLimit> {
-        self.solids.iter().map(|body| body.limit.clone()).collect()
+        let Some(flow) = &self.flow else {
+            return self.solids.iter().map(|body| body.limit.clone()).collect();
+        };
+        let of = |plan: &SolidPlan<D>| flow.elastic_bodies().find(|(body, _)| *body == plan.body);
+        self.plan.solids.iter().filter_map(of).map(|(_, coupled)| coupled.limit().clone()).collect()
+    }
+
+    /// Force of the fluid on elastic solid `number` of the plan (of the depth that a model of fewer than three dimensions
+    /// stands for), N, if a fluid moves it.
+    #[must_use]
+    pub fn force_on_solid(&self, number: usize) -> Option<Vector<D>> {
+        let body = self.plan.solids[number].body;
+        let mine = self.flow.as_ref()?.reactions().filter(|one| one.body == body);
+        Some(mine.fold(Vector::zeros(), |sum, one| sum + one.force) * self.plan.thickness)
     }
 
     /// Elastic solid `number` of the plan as it is now.
     #[must_use]
     pub fn elastic(&self, number: usize) -> Option<&Elastic<D>> {
+        if let Some(flow) = &self.flow {
+            let body = self.plan.solids[number].body;
+            return flow.elastic_bodies().find(|(mine, _)| *mine == body).map(|(_, coupled)| coupled.solid());
+        }
         self.solids.iter().find(|body| body.number == number).map(|body| &body.elastic)
     }
 
@@ -174,17 +184,34 @@ impl<'p, const D: usize> Scene<'p, D> {
         })
     }
 
-    /// Shows the solids in the snapshot.
+    /// Shows the solids in the snapshot: places, velocities, volumes, densities and pressures.
     pub(super) fn show_solids(&mut self) {
-        for body in &self.solids {
-            body.show(self.plan, &mut self.snapshot);
+        let mut snapshot = std::mem::take(&mut self.snapshot);
+        for (number, solid) in self.plan.solids.iter().enumerate() {
+            let Some(elastic) = self.elastic(number) else { continue };
+            for i in 0..elastic.len() {
+                let (at, volume) = (solid.first + i, elastic.volume(i));
+                // A flow shows its solids where they are, and at rest while it settles.
+                if self.flow.is_none() {
+                    snapshot.position[at] = self.plan.domain.wrap(&elastic.position(i));
+                    snapshot.velocity[at] = elastic.velocities()[i];
+                    snapshot.volume_fraction[at] = 1.0;
+                }
+                snapshot.volume[at] = volume;
+                snapshot.density[at] = elastic.mass(i) / volume;
+                snapshot.pressure[at] = -elastic.stress(i).trace() / 3.0;
+            }
         }
+        self.snapshot = snapshot;
     }
 
     /// A solid that has left the box: molecules in it would be nowhere.
     pub(super) fn check_solids(&self) -> Result<(), RunError> {
         for body in &self.solids {
-            let beyond = |i: &usize| self.plan.domain.is_beyond(&body.elastic.position(*i));
+            // What is held may be in the walls.
+            let beyond = |i: &usize| {
+                !body.elastic.is_held(*i) && self.plan.domain.is_beyond(&body.elastic.position(*i))
+            };
             let Some(i) = (0..body.elastic.len()).find(beyond) else { continue };
             let at = show_vector(body.elastic.position(i).as_slice(), "m");
             return Err(RunError::BlowUp {
@@ -214,11 +241,17 @@ impl<'p, const D: usize> Scene<'p, D> {
         (tick, time): (u64, f64),
     ) -> Result<(), RunError> {
         let (count, volumes) = (species.len(), &self.volumes);
-        for body in &mut self.solids {
-            let plan = &self.plan.solids[body.number];
+        for (number, plan) in self.plan.solids.iter().enumerate() {
             let Some(softening) = plan.softening else { continue };
-            for (i, softness) in body.elastic.softness_mut().iter_mut().enumerate() {
-                let voxel = body.first + i;
+            let elastic = match &mut self.flow {
+                Some(flow) => flow.elastic_body_mut(plan.body).map(Coupled::solid_mut),
+                None => {
+                    self.solids.iter_mut().find(|body| body.number == number).map(|body| &mut body.elastic)
+                }
+            };
+            let Some(elastic) = elastic else { continue };
+            for (i, softness) in elastic.softness_mut().iter_mut().enumerate() {
+                let voxel = plan.first + i;
                 let concentration = amounts[voxel * count + softening.species] / (AVOGADRO * volumes[voxel]);
                 *softness = 1.0 - softening.factor * concentration / softening.at;
                 if *softness > 0.0 {
@@ -241,7 +274,7 @@ impl<'p, const D: usize> Scene<'p, D> {
                     ),
                 });
             }
-            body.elastic.renew()?;
+            elastic.renew()?;
         }
         Ok(())
     }
@@ -249,15 +282,18 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// What the solids have come to so far, if there are any.
     #[must_use]
     pub fn solid_health(&self) -> Option<SolidHealth> {
-        let all = self.solids.iter().map(|body| {
-            let tally = body.elastic.tally();
+        let of = |elastic: &Elastic<D>, largest_stretch: f64| {
+            let tally = elastic.tally();
             SolidHealth {
-                largest_stretch: body.pace.largest_stretch,
+                largest_stretch,
                 particle_steps: tally.particle_steps,
                 bond_evaluations: tally.bond_evaluations,
-                steps: body.pace.steps,
+                steps: tally.particle_steps / elastic.len().max(1) as u64,
             }
-        });
+        };
+        let alone = self.solids.iter().map(|body| of(&body.elastic, body.pace.largest_stretch));
+        let coupled = self.flow.iter().flat_map(Flow::elastic_bodies);
+        let all = alone.chain(coupled.map(|(_, coupled)| of(coupled.solid(), coupled.largest_stretch())));
         all.reduce(|a, b| SolidHealth {
             largest_stretch: a.largest_stretch.max(b.largest_stretch),
             particle_steps: a.particle_steps + b.particle_steps,

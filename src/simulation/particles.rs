@@ -25,7 +25,6 @@ use crate::plan::{ParticlePlan, Plan};
 use crate::quantity::readable::show;
 use crate::samples::SeriesBlock;
 use crate::sampling::{Lens, Moment, Observed};
-
 use crate::scene::{AT_A_TIME, Moving, Scene};
 use crate::solid::StepLimit;
 use recording::{Frame, Player, Title};

@@ -1,7 +1,7 @@
 //! What there is to see of a solid.
 
 use crate::solid::elastic::Elastic;
-use crate::space::matrix::{Matrix, determinant, dyad, embed};
+use crate::space::matrix::{Matrix, determinant, embed};
 use crate::vector::Vector;
 
 impl<const D: usize> Elastic<D> {
@@ -33,16 +33,6 @@ impl<const D: usize> Elastic<D> {
     #[must_use]
     pub fn gradient(&self, i: usize) -> Matrix<D> {
         self.strains[i].f
-    }
-
-    /// dF/dt of particle `i`, 1/s.
-    #[must_use]
-    pub fn rate_of_gradient(&self, i: usize) -> Matrix<D> {
-        let here = self.velocities[i];
-        let sum = self.bonds.of(i).iter().fold(Matrix::zeros(), |sum, bond| {
-            sum + dyad(&((self.velocities[bond.j as usize] - here) * bond.f), &bond.x)
-        });
-        sum * self.bonds.correction[i]
     }
 
     /// Volume of particle `i` now, m^D.

@@ -26,7 +26,7 @@ pub struct Look<'a, const D: usize> {
 impl<'a, const D: usize> Look<'a, D> {
     fn new(plan: &'a ParticlePlan<D>, flow: &Flow<D>) -> Look<'a, D> {
         let Snapshot { position, velocity, density, volume, .. } = flow.snapshot();
-        let fluid: Vec<usize> = (0..position.len()).filter(|&i| !plan.is_wall(plan.home[i])).collect();
+        let fluid: Vec<usize> = (0..position.len()).filter(|&i| plan.flows(plan.home[i])).collect();
         Look {
             time: flow.time(),
             plan,

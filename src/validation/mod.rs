@@ -14,6 +14,7 @@ mod cylinder;
 mod duct;
 mod findings;
 mod flow;
+mod fsi_rod;
 mod lame;
 mod moving_walls;
 mod natural_convection;
@@ -169,6 +170,11 @@ pub const CASES: &[Case] = &[
         name: "lame",
         what: "rings and spherical shells under pressure from inside (--full: finer shells)",
         run: lame::walls,
+    },
+    Case {
+        name: "fsi_rod",
+        what: "a soft rod bends in the stream of a micro-channel, against finite elements (--full: coarser and finer)",
+        run: fsi_rod::rod,
     },
     Case {
         name: "thermostat",

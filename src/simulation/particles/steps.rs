@@ -76,7 +76,15 @@ impl<const D: usize> Ready<'_, D> {
             }),
             solid: shortest(&self.solid_steps).map(|limit| StepRecord {
                 step: limit.seconds,
-                count: (self.plan.model.run.until / limit.seconds).ceil() as u64,
+                count: match self.fluid {
+                    // Several of its own in each step of the fluid.
+                    Some(_) => {
+                        let each =
+                            |i: &Interval| (i.tick() / i.fluid_steps.max(1) as f64 / limit.seconds).ceil();
+                        self.clock.iter().map(|i| i.ticks * i.fluid_steps * each(i) as u64).sum()
+                    }
+                    None => (self.plan.model.run.until / limit.seconds).ceil() as u64,
+                },
                 limited_by: limit.limited_by.clone(),
             }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
