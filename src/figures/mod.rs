@@ -9,7 +9,6 @@ pub mod contour;
 mod distributions;
 pub mod drawing;
 mod fields;
-mod histories;
 pub mod maps;
 mod overview;
 mod painting;
@@ -146,7 +145,6 @@ pub fn draw(samples: &Samples) -> Vec<Figure> {
     out.extend(time::occupancy(samples));
     out.extend(time::amounts(samples));
     out.extend(probes::probes(samples));
-    out.extend(histories::histories(samples));
     out.extend(distributions::distributions(samples));
     out.extend(time::fano(samples));
     out

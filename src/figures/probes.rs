@@ -5,6 +5,7 @@ use super::drawing::{Anchor, LABEL};
 use super::panel::{Axis, MARGIN, Panel, grid, legend};
 use super::polar::polar;
 use super::sections::{Section, sections};
+use super::solids::is_outline;
 use super::{Drawing, Figure, Samples, WIDTH, clock, slug};
 use crate::quantity::readable::Scale;
 
@@ -14,8 +15,6 @@ pub(super) const BAND: usize = 5;
 pub(super) const OCCUPANCY: &str = "occupancy";
 /// Kinds of probes that show one number a time.
 const POINTS: [&str; 3] = ["surface", "point", "solid"];
-/// Drawn with the solid it belongs to.
-const OUTLINE: &str = "outline";
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
 /// Figures of each probe: receptors round a ring, the other quantities, a polar view.
@@ -26,11 +25,8 @@ pub fn probes(samples: &Samples) -> Vec<Figure> {
         let drawn = samples.record.domain.dimensions == 1 && !is_ring(samples, &row.probe);
         // A surface, a point or a whole solid has no extent along which to draw.
         let drawn = drawn
-            || samples
-                .record
-                .probes
-                .iter()
-                .any(|p| p.name == row.probe && (POINTS.contains(&p.kind.as_str()) || p.kind == OUTLINE));
+            || samples.record.probes.iter().any(|p| p.name == row.probe && POINTS.contains(&p.kind.as_str()))
+            || is_outline(samples, &row.probe);
         if !names.contains(&row.probe.as_str()) && !drawn {
             names.push(&row.probe);
         }

@@ -3,6 +3,7 @@
 use super::colours::{BLACK, Colour, palette};
 use super::drawing::{Anchor, LABEL, text_width};
 use super::painting::{in_slice, map, spacing};
+use super::solids::is_outline;
 use super::{Drawing, Figure, Samples, WIDTH};
 
 /// The set-up of a model in two or three dimensions.
@@ -49,7 +50,7 @@ pub fn setup(samples: &Samples) -> Option<Figure> {
     }
     let mut entries: Vec<(String, Colour, bool)> =
         colours.iter().map(|(name, colour)| (name.clone(), *colour, false)).collect();
-    for probe in &samples.record.probes {
+    for probe in samples.record.probes.iter().filter(|p| !is_outline(samples, &p.name)) {
         let Some(row) = samples.probes.iter().find(|r| r.probe == probe.name) else { continue };
         let mut points: Vec<[f64; 2]> = row.position.iter().map(|p| panel.at(p[0], p[1])).collect();
         if probe.kind == "ring" {

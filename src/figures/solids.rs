@@ -34,6 +34,12 @@ pub fn outline(name: &str) -> String {
     format!("{name} outline")
 }
 
+/// Whether a probe is the outline of a solid: drawn with it, not along a line.
+#[must_use]
+pub fn is_outline(samples: &Samples, probe: &str) -> bool {
+    names(samples).into_iter().any(|name| outline(name) == probe)
+}
+
 /// Rows of one probe and quantity.
 fn rows<'a>(samples: &'a Samples, probe: &str, quantity: &str) -> Vec<&'a ProbeRows> {
     samples.probes.iter().filter(|r| r.probe == probe && r.quantity == quantity).collect()

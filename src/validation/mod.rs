@@ -167,14 +167,14 @@ pub const CASES: &[Case] = &[
         run: beam_modes::beams,
     },
     Case {
-        name: "fsi_rod",
-        what: "a soft rod bends in the stream of a micro-channel, against finite elements (--full: coarser and finer)",
-        run: fsi_rod::rod,
-    },
-    Case {
         name: "lame",
         what: "rings and spherical shells under pressure from inside (--full: finer shells)",
         run: lame::walls,
+    },
+    Case {
+        name: "fsi_rod",
+        what: "a soft rod bends in the stream of a micro-channel, against finite elements (--full: coarser and finer)",
+        run: fsi_rod::rod,
     },
     Case {
         name: "thermostat",

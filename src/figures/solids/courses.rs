@@ -89,8 +89,8 @@ pub fn course(samples: &Samples, name: &str) -> Option<Figure> {
     let title = format!("Course of {name}");
     figure(
         shown.map(|c| (super::words(&c.quantity), c)).collect(),
-        &format!("solid_{}_course", slug(name)),
-        title,
+        samples.record.finished,
+        (&format!("solid_{}_course", slug(name)), title),
     )
 }
 
@@ -108,8 +108,8 @@ pub fn points(samples: &Samples) -> Option<Figure> {
     let shown = all.iter().filter(|(_, c)| size(c) > 0.01 * largest);
     figure(
         shown.map(|(name, c)| (format!("{name}, {}", c.quantity), c)).collect(),
-        "solid_points",
-        "Points that were followed".into(),
+        samples.record.finished,
+        ("solid_points", "Points that were followed".into()),
     )
 }
 
@@ -118,7 +118,7 @@ fn varies(course: &Course) -> bool {
     every.next().is_some_and(|first| every.any(|v| v != first))
 }
 
-fn figure(shown: Vec<(String, &Course)>, name: &str, title: String) -> Option<Figure> {
+fn figure(shown: Vec<(String, &Course)>, finished: u32, (name, title): (&str, String)) -> Option<Figure> {
     let shown: Vec<_> = shown.into_iter().filter(|(_, c)| c.times.len() > 1).collect();
     let columns = match shown.len() {
         0 => return None,
@@ -139,6 +139,7 @@ fn figure(shown: Vec<(String, &Course)>, name: &str, title: String) -> Option<Fi
     }
     let n = shown.iter().map(|(_, c)| c.values.len()).max()?;
     let caption = match n {
+        1 if finished > 1 => "Of the one motion that serves every realization.".into(),
         1 => "One realization.".into(),
         n if n < BAND => format!("Thick: mean of {n} realizations; thin: single realizations."),
         n => {

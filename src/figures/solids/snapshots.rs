@@ -4,7 +4,7 @@ use crate::figures::colours::{Colour, PALE, viridis};
 use crate::figures::fields::{bar, concentration};
 use crate::figures::painting::{Bar, Field, colour_bar, spacing};
 use crate::figures::panel::{Axis, Panel, range};
-use crate::figures::{Drawing, Figure, Samples, WIDTH, clock, moments, slug};
+use crate::figures::{Drawing, Figure, Samples, WIDTH, clock, slug, spread};
 use crate::quantity::readable::Scale;
 use crate::statistics::quantile;
 use crate::tables::ParticleFrame;
@@ -57,15 +57,9 @@ pub fn snapshots(samples: &Samples, name: &str) -> Vec<Figure> {
     out
 }
 
-/// The first frame and those that tell most.
+/// Frames spread over the run, first and last among them.
 fn chosen(samples: &Samples) -> Vec<&ParticleFrame> {
-    let times: Vec<f64> = samples.frames.iter().map(|f| f.time).collect();
-    let mut chosen = moments(samples, &times);
-    if !chosen.contains(&0) && !times.is_empty() {
-        chosen.insert(0, 0);
-    }
-    chosen.truncate(PANELS);
-    chosen.into_iter().map(|k| &samples.frames[k]).collect()
+    spread(samples.frames.len(), PANELS).into_iter().map(|k| &samples.frames[k]).collect()
 }
 
 /// A window that holds the solid at all times, with a little air; in space its middle layer.
@@ -80,8 +74,8 @@ fn window(samples: &Samples, name: &str, frames: &[&ParticleFrame]) -> Option<Wi
         .filter(|&i| frame.group_name(i) == name)
         .map(|i| spacing(samples, frame, i))
         .fold(0.0, f64::max);
-    let air = 0.04 * (x.1 - x.0).max(y.1 - y.0) + size;
-    let ends = [x.0 - air, x.1 + air, y.0 - air, y.1 + air];
+    let air = |ends: (f64, f64)| 0.05 * (ends.1 - ends.0) + size;
+    let ends = [x.0 - air(x), x.1 + air(x), y.0 - air(y), y.1 + air(y)];
     Some(Window { ends, middle: 0.5 * (z.0 + z.1) })
 }
 
