@@ -145,9 +145,10 @@ fn discs(
     let frame = field.frame;
     let millimetre = panel.width / (panel.x.high - panel.x.low);
     let space = samples.record.domain.dimensions == 3;
-    let fluid = |i: usize| {
-        let group = frame.group_name(i);
-        samples.record.domain.groups.iter().any(|g| g.name == group && g.material == "fluid")
+    // What waits to be used belongs to no group of the model.
+    let material = |i: usize| {
+        let groups = &samples.record.domain.groups;
+        groups.iter().find(|g| g.name == frame.group_name(i)).map(|g| g.material.as_str())
     };
     for behind in [true, false] {
         for i in (0..frame.len()).filter(|&i| field.values[i].is_nan() == behind) {
@@ -155,11 +156,11 @@ fn discs(
             let size = spacing(samples, frame, i);
             let inside = (panel.x.low + 0.6 * size..=panel.x.high - 0.6 * size).contains(&x)
                 && (panel.y.low + 0.6 * size..=panel.y.high - 0.6 * size).contains(&y);
-            if !inside || (space && (z - middle).abs() > 0.75 * size) {
+            if !inside || material(i).is_none() || (space && (z - middle).abs() > 0.75 * size) {
                 continue;
             }
             let colour = match behind {
-                true if fluid(i) => WATER,
+                true if material(i) == Some("fluid") => WATER,
                 true => PALE,
                 false => (bar.colour)((field.values[i] - bar.low) / (bar.high - bar.low)),
             };
