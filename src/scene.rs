@@ -1,6 +1,7 @@
 //! Particles as they are at an instant: what the chemistry and the observers see of geometry and flow.
 
 mod solids;
+mod vessels;
 
 use crate::chemistry::{AVOGADRO, GroupSet};
 use crate::error::RunError;
@@ -13,9 +14,11 @@ use crate::model::conditions::WallName;
 use crate::plan::ParticlePlan;
 use crate::plan::particles::BOLTZMANN;
 use crate::plan::start::Voxels as Places;
+use crate::solid::Birth;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 pub use solids::{AT_A_TIME, SolidBody, SolidHealth, SolidImage};
+pub use vessels::{VesselBody, VesselImage};
 
 /// The geometry of a particle plan at an instant, and the flow that moves it, if there is one.
 pub struct Scene<'p, const D: usize> {
@@ -23,6 +26,10 @@ pub struct Scene<'p, const D: usize> {
     pub flow: Option<Flow<D>>,
     /// Elastic solids that no fluid moves.
     pub solids: Vec<SolidBody<D>>,
+    /// Walls in balance with what they enclose.
+    pub vessels: Vec<VesselBody<D>>,
+    /// Particles that left the reserves at the last step.
+    pub births: Vec<Birth>,
     pub snapshot: Snapshot<D>,
     /// Places with three coordinates, m.
     pub positions: Vec<Vector<3>>,
@@ -43,6 +50,8 @@ pub struct Moving<const D: usize> {
     pub flow: Option<Flow<D>>,
     /// Elastic solids that no fluid moves.
     pub solids: Vec<SolidBody<D>>,
+    /// Walls in balance with what they enclose.
+    pub vessels: Vec<VesselBody<D>>,
 }
 
 /// What must be kept of a scene to go on with it later.
@@ -50,6 +59,7 @@ pub struct Moving<const D: usize> {
 pub struct Image<'a, const D: usize> {
     flow: Option<fluid::Image<'a, D>>,
     solids: Vec<SolidImage<'a, D>>,
+    vessels: Vec<VesselImage<D>>,
     presence: Vec<Presence>,
     momentum: Option<Momentum<D>>,
 }
@@ -99,7 +109,8 @@ impl<'p, const D: usize> Scene<'p, D> {
         }
         // In a flow it is the flow that moves them.
         let solids = if flow.is_none() { Scene::build_solids(plan)? } else { Vec::new() };
-        Ok(Scene::at_rest(plan).with_motion(Moving { flow, solids }))
+        let vessels = Scene::build_vessels(plan)?;
+        Ok(Scene::at_rest(plan).with_motion(Moving { flow, solids, vessels }))
     }
 
     /// The particles where they are placed, without a flow.
@@ -110,6 +121,8 @@ impl<'p, const D: usize> Scene<'p, D> {
             plan,
             flow: None,
             solids: Vec::new(),
+            vessels: Vec::new(),
+            births: Vec::new(),
             snapshot: Snapshot {
                 position: plan.particles.iter().map(|p| p.position).collect(),
                 velocity: vec![Vector::zeros(); count],
@@ -136,7 +149,7 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// The scene of a plan with what moves in that plan as it is now.
     #[must_use]
     pub fn with_motion(mut self, moving: Moving<D>) -> Scene<'p, D> {
-        (self.flow, self.solids) = (moving.flow, moving.solids);
+        (self.flow, self.solids, self.vessels) = (moving.flow, moving.solids, moving.vessels);
         self.look();
         self
     }
@@ -147,6 +160,7 @@ impl<'p, const D: usize> Scene<'p, D> {
         Image {
             flow: self.flow.as_ref().map(Flow::image),
             solids: self.solids.iter().map(SolidBody::image).collect(),
+            vessels: self.vessel_images(),
             presence: self.presence.clone(),
             momentum: self.momentum,
         }
@@ -166,6 +180,7 @@ impl<'p, const D: usize> Scene<'p, D> {
         for (body, kept) in self.solids.iter_mut().zip(image.solids) {
             body.restore(kept)?;
         }
+        self.restore_vessels(image.vessels)?;
         self.momentum = image.momentum;
         self.look();
         // Who was there at the last look; it may have been before the last steps of the flow.
@@ -188,7 +203,11 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// Takes what moves out of the scene.
     #[must_use]
     pub fn take_motion(&mut self) -> Moving<D> {
-        Moving { flow: self.flow.take(), solids: std::mem::take(&mut self.solids) }
+        Moving {
+            flow: self.flow.take(),
+            solids: std::mem::take(&mut self.solids),
+            vessels: std::mem::take(&mut self.vessels),
+        }
     }
 
     /// Reads places and volumes off the flow and the solids.
@@ -199,6 +218,7 @@ impl<'p, const D: usize> Scene<'p, D> {
             presence = flow.presence().unwrap_or_default();
         }
         self.show_solids();
+        self.show_vessels();
         self.see(presence);
     }
 
@@ -225,6 +245,7 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// Who is in the box, and who came and went since it was asked last.
     fn note_presence(&mut self, now: Vec<Presence>) {
         self.home.clone_from(&self.plan.home);
+        self.house_vessels();
         let Some(openings) = self.plan.openings.as_ref().filter(|_| !now.is_empty()) else { return };
         let boundary = self.plan.home.iter().copied().max().unwrap_or(0);
         let axis = openings.open.axis;
@@ -264,6 +285,10 @@ impl<'p, const D: usize> Scene<'p, D> {
         self.book_momentum(0.0);
         let taken = match &mut self.flow {
             Some(flow) => flow.advance_until(dt, steps, stop)?,
+            None if !self.vessels.is_empty() => {
+                self.advance_vessels(dt * steps as f64)?;
+                steps
+            }
             None => self.advance_solids(dt, steps, stop)?,
         };
         if taken == steps {

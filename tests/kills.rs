@@ -100,6 +100,34 @@ output:
   points: { tip: { solid: bar, at: [20 um, 2 um] } }
 ";
 
+/// A wall in balance that grows where its molecules are, and gets new columns.
+const VESSEL: &str = "\
+name: vessel
+reactions:
+  species: { A: { diffusion: 1 um^2/s } }
+  reactions: { make: { equation: 0 <-> A, rate: 20 uM/s, reverse: 1 1/s } }
+chemistry: { step: 0.5 s }
+domain: { kind: particles, dimensions: 2, min: [-20 um, -20 um], max: [20 um, 20 um], thickness: 1 um }
+particles: { spacing: 0.8 um, support: 2 }
+groups:
+  wall: { material: solid, shape: { ring: { centre: [0, 0], inner: 4 um, outer: 6.4 um } } }
+solids:
+  wall:
+    density: 1000 kg/m^3
+    youngs_modulus: 5 MPa
+    poisson_ratio: 0.3
+    law: neo_hookean
+    placement: layers
+    softening: { by: A, factor: 0.1, at: 20 uM }
+    turgor: { pressure: 0.5 MPa }
+    growth: { rate: 3e-8 1/Pa/s, yield: 0.4 MPa, by: A, at: 20 uM, insert_at: 1.3, reserve: 600 }
+mechanics: { mode: quasi_static, tolerance: 1e-3 }
+fluid: { method: none }
+initial: { wall: { A: { concentration: 20 uM, deal: poisson } } }
+run: { until: 20 s, realizations: 4, seed: 5, checkpoint_every: 50 ms }
+output: { every: 0.5 s, particles: { every: 5 s, realizations: 2 } }
+";
+
 struct Case {
     folder: TempDir,
     name: &'static str,
@@ -204,10 +232,11 @@ fn what_was_killed_is_resumed_to_the_same_bytes() {
         ("channel", CHANNEL, "2"),
         ("noise", noisy.as_str(), "2"),
         ("solid", SOLID, "2"),
+        ("vessel", VESSEL, "2"),
     ];
     for (k, (name, model, threads)) in cases.into_iter().enumerate() {
         let case = Case { folder: TempDir::new().unwrap(), name, threads };
-        let share = kills / 5 + u32::from((k as u32) < kills % 5);
+        let share = kills / 6 + u32::from((k as u32) < kills % 6);
         killed(&case, model, share, &mut random);
     }
 }

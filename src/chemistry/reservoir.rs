@@ -76,6 +76,29 @@ impl SplitState {
         }
     }
 
+    /// Molecules that a voxel takes from others as it comes into being: of donor d the part p of all it holds. Discrete:
+    /// each molecule goes with probability p. What is `held` stays, and what comes from it is booked.
+    pub fn divide(&mut self, reactor: &Reactor, held: &[bool], voxel: usize, donors: &[(usize, f64)]) {
+        let count = self.supplied.len();
+        for species in 0..count {
+            for &(donor, part) in donors {
+                let slot = donor * count + species;
+                let there = self.amounts[slot];
+                let taken = if self.whole(reactor, donor, species) {
+                    binomial(&mut self.reservoirs, there as u64, part) as f64
+                } else {
+                    there * part
+                };
+                self.amounts[voxel * count + species] += taken;
+                if held.get(slot).copied().unwrap_or(false) {
+                    self.supplied[species] += taken;
+                } else {
+                    self.amounts[slot] -= taken;
+                }
+            }
+        }
+    }
+
     fn put(&mut self, voxel: u32, species: usize, amount: f64) {
         let slot = voxel as usize * self.supplied.len() + species;
         self.supplied[species] += amount - self.amounts[slot];

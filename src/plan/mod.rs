@@ -13,6 +13,7 @@ pub mod solids;
 pub mod start;
 pub mod surfaces;
 mod thickness;
+pub mod vessels;
 
 use crate::chemistry::analysis::{Analysis, analyse};
 use crate::chemistry::{Links, Network, Reactor};
@@ -23,6 +24,7 @@ pub use lift::Lift;
 pub use openings::OpeningsPlan;
 pub use particles::ParticlePlan;
 pub use solids::SolidPlan;
+pub use vessels::VesselPlan;
 
 /// A model ready to run.
 pub struct Plan {

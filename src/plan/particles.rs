@@ -2,6 +2,7 @@
 
 use super::bodies::motion;
 use super::solids::{self, SolidPlan};
+use super::vessels;
 use crate::error::Fault;
 use crate::fluid::{
     Barrier, Body, BodyKind, Domain, Kernel, KernelKind, Motion, Noise, Placed, Setup, Slip, Sponge, Weights,
@@ -155,9 +156,19 @@ impl<const D: usize> ParticlePlan<D> {
                 let at = (&space, particles.len(), body);
                 elastic[k] = Some(solids::solid(domain, &domain.solids[k], at, &found, faults));
             }
+            let volume = found.first().map_or(0.0, |one| one.1);
             for (position, volume) in found {
                 particles.push(Placed { position, volume, body: body as u8 });
                 home.push(g as u8);
+            }
+            let vessel = described.and_then(|k| {
+                let growth = domain.solids[k].growth.as_ref();
+                elastic[k].as_ref()?.vessel.as_ref().map(|vessel| (vessel, growth))
+            });
+            if let Some((vessel, growth)) = vessel {
+                let waiting = vessels::reserve(vessel, growth, (min, volume));
+                home.extend(waiting.iter().map(|_| domain.groups.len() as u8));
+                particles.extend(waiting);
             }
         }
         let mut plan = ParticlePlan {

@@ -1,14 +1,15 @@
 //! Elastic solids: where their particles are, what they are made of, and what of it cannot be.
 
 use super::particles::narrow;
+use super::vessels::{self, VesselPlan};
 use super::{Plan, thickness::thinnest};
 use crate::error::{Fault, RunError};
 use crate::fluid::Domain;
 use crate::geometry::shape::embed;
 use crate::geometry::{Fill, Lattice, fill};
 use crate::model::fluid::Velocity;
-use crate::model::solids::{Form, Placement, Softening};
-use crate::model::{Boundary, Mechanics, ParticleDomain, SolidModel};
+use crate::model::solids::{Form, Softening};
+use crate::model::{Boundary, ParticleDomain, SolidModel};
 use crate::quantity::readable::length;
 use crate::solid::{Elastic, Hold, Options, Setup};
 use crate::vector::Vector;
@@ -31,6 +32,8 @@ pub struct SolidPlan<const D: usize> {
     /// At t = 0.
     pub velocity: Velocity,
     pub softening: Option<Softening>,
+    /// What it encloses, where it is in balance with it.
+    pub vessel: Option<VesselPlan<D>>,
     /// Of its particles at rest, m.
     pub spacing: f64,
     /// Where it is thinnest, m.
@@ -72,8 +75,9 @@ pub(super) fn places<const D: usize>(
         spacing: solid.spacing,
         jitter: 0.0,
     };
-    match solid.placement {
-        Placement::Lattice | Placement::Layers => fill::<D>(&region, &min, &max, random),
+    match vessels::columns(solid, group) {
+        Some((_, columns)) => columns,
+        None => fill::<D>(&region, &min, &max, random),
     }
 }
 
@@ -89,7 +93,7 @@ pub(super) fn solid<const D: usize>(
     let places: Vec<Vector<D>> = found.iter().map(|(x, _)| *x).collect();
     let (thickness, at) = thinnest(&group.shape, &places, solid.spacing);
     check_thickness(domain, solid, (thickness, at), faults);
-    check_unknown(domain, solid, faults);
+    check_unknown(solid, faults);
     SolidPlan {
         group: solid.group as u8,
         name: group.name.clone(),
@@ -112,6 +116,7 @@ pub(super) fn solid<const D: usize>(
         },
         velocity: solid.velocity.clone(),
         softening: solid.softening,
+        vessel: vessels::vessel(domain, solid, found.len(), faults),
         spacing: solid.spacing,
         thickness,
     }
@@ -159,7 +164,7 @@ fn check_thickness(
 }
 
 /// What the equations at hand do not know.
-fn check_unknown(domain: &ParticleDomain, solid: &SolidModel, faults: &mut Vec<Fault>) {
+fn check_unknown(solid: &SolidModel, faults: &mut Vec<Fault>) {
     let mut refuse = |place: &crate::error::Place, reason: &str, remedy: &str| {
         faults.push(Fault::at(place, reason, remedy));
     };
@@ -167,15 +172,6 @@ fn check_unknown(domain: &ParticleDomain, solid: &SolidModel, faults: &mut Vec<F
     if solid.form == Form::Jaumann {
         let place = solid.places.method.as_ref().unwrap_or(entry);
         refuse(place, "models run total-Lagrangian solids only", "remove `method`");
-    }
-    if solid.placement == Placement::Layers {
-        refuse(entry, "models fill solids with a lattice only", "remove `placement`");
-    }
-    if solid.turgor.is_some() || solid.growth.is_some() {
-        refuse(entry, "models know neither turgor nor growth", "remove them");
-    }
-    if domain.mechanics != Mechanics::Dynamic {
-        refuse(entry, "models know dynamic solids only", "remove `mechanics`");
     }
 }
 

@@ -3,6 +3,7 @@
 
 pub mod probe;
 pub mod solids;
+mod vessels;
 
 use crate::chemistry::AVOGADRO;
 use crate::plan::Plan;
@@ -118,6 +119,7 @@ pub struct Lens<'p, const D: usize> {
     probes: Vec<ProbeLens<'p, D>>,
     /// What the solids show.
     solids: Vec<solids::Row>,
+    outlines: Vec<vessels::OutlineLens>,
     /// Places, velocities and the like of all particles but the walls round the box; amounts to be added.
     frame: Option<(ParticleFrame, Vec<u32>)>,
 }
@@ -135,6 +137,7 @@ impl<'p, const D: usize> Lens<'p, D> {
             sums: Sums::new(plan, slot, &scene.volumes, groups.len()),
             probes: plan.model.output.probes.iter().map(|probe| ProbeLens::new(plan, probe, scene)).collect(),
             solids: solids::rows(plan, scene),
+            outlines: vessels::outlines(scene),
             frame,
         }
     }
@@ -150,6 +153,9 @@ impl<'p, const D: usize> Lens<'p, D> {
         }
         if realization == 0 || !shared {
             observed.probes.extend(self.solids.iter().map(|row| row.rows(realization, time)));
+        }
+        for outline in &self.outlines {
+            observed.probes.extend(outline.look(self.plan, amounts, (realization, time)));
         }
         if !(self.probes.is_empty() && self.solids.is_empty()) {
             observed.marks.push(observed.probes.len() as u32);

@@ -1,5 +1,6 @@
 //! What is seen of elastic solids: points that are followed, and each solid as a whole.
 
+use super::vessels;
 use crate::geometry::shape::embed;
 use crate::model::names::axis_name;
 use crate::model::solids::Point;
@@ -57,6 +58,15 @@ pub fn rows<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Vec<Row> {
             found.extend(of_point(point, elastic));
         }
         found.extend(of_solid(&solid.name, elastic, scene.plan.thickness, scene.force_on_solid(number)));
+        if let Some(body) = scene.vessel(number) {
+            // Stretched from the very first state of rest, through all states of rest since.
+            for row in
+                found.iter_mut().filter(|row| row.name == solid.name && row.quantity == "largest_stretch")
+            {
+                row.value = body.vessel.largest_stretch();
+            }
+            found.extend(vessels::rows(&solid.name, body, scene.plan.thickness));
+        }
     }
     found
 }
@@ -124,9 +134,19 @@ pub fn records(model: &Model) -> Vec<ProbeRecord> {
     let solids = domain.solids.iter().map(|solid| ProbeRecord {
         name: domain.groups[solid.group].name.clone(),
         kind: "solid".into(),
-        quantities: OF_SOLID.iter().map(|&(name, unit)| (name.into(), unit.into())).chain(forces()).collect(),
+        quantities: {
+            let of_vessel =
+                if vessels::is_vessel(domain, solid.placement) { &vessels::OF_VESSEL[..] } else { &[] };
+            OF_SOLID
+                .iter()
+                .chain(of_vessel)
+                .map(|&(name, unit)| (name.into(), unit.into()))
+                .chain(forces())
+                .collect()
+        },
     });
-    points.chain(solids).collect()
+    let species: Vec<String> = model.network.species.iter().map(|species| species.name.clone()).collect();
+    points.chain(solids).chain(vessels::records(domain, &species)).collect()
 }
 
 /// Von Mises stress (Pa) and largest stretch of the particles of a scene; those that are no solid have none.
@@ -139,11 +159,13 @@ pub fn strains<const D: usize>(scene: &Scene<D>) -> (Vec<f64>, Vec<f64>) {
     let (mut stress, mut stretch) = (vec![0.0; n], vec![1.0; n]);
     for (number, solid) in scene.plan.solids.iter().enumerate() {
         let Some(elastic) = scene.elastic(number) else { continue };
+        let vessel = scene.vessel(number);
         for i in 0..elastic.len() {
             let sigma = elastic.stress(i);
             let shear = sigma - nalgebra::Matrix3::identity() * (sigma.trace() / 3.0);
             stress[solid.first + i] = (1.5 * shear.norm_squared()).sqrt();
-            stretch[solid.first + i] = elastic.stretch(i);
+            stretch[solid.first + i] =
+                vessel.map_or_else(|| elastic.stretch(i), |body| body.vessel.stretch(i));
         }
     }
     (stress, stretch)

@@ -1,7 +1,7 @@
 //! The elastic solids of a scene: the steps of those that no fluid moves, what is seen of them, and what softens them.
 
 use super::Scene;
-use crate::chemistry::AVOGADRO;
+use super::vessels::concentration;
 use crate::error::RunError;
 use crate::fluid::{BodyKind, Coupled, Flow, Setup};
 use crate::plan::{ParticlePlan, SolidPlan};
@@ -116,7 +116,8 @@ impl<const D: usize> SolidBody<D> {
 impl<'p, const D: usize> Scene<'p, D> {
     /// The solids of a plan at t = 0.
     pub(super) fn build_solids(plan: &'p ParticlePlan<D>) -> Result<Vec<SolidBody<D>>, RunError> {
-        plan.solids.iter().enumerate().map(|(number, solid)| SolidBody::new(solid, number)).collect()
+        let moving = plan.solids.iter().enumerate().filter(|(_, solid)| solid.vessel.is_none());
+        moving.map(|(number, solid)| SolidBody::new(solid, number)).collect()
     }
 
     /// Makes the bodies of a flow that are elastic what the plan says of them.
@@ -159,7 +160,8 @@ impl<'p, const D: usize> Scene<'p, D> {
             let body = self.plan.solids[number].body;
             return flow.elastic_bodies().find(|(mine, _)| *mine == body).map(|(_, coupled)| coupled.solid());
         }
-        self.solids.iter().find(|body| body.number == number).map(|body| &body.elastic)
+        let vessel = self.vessel(number).map(|body| &body.vessel.solid);
+        vessel.or(self.solids.iter().find(|body| body.number == number).map(|body| &body.elastic))
     }
 
     /// Advances the solids by `steps` times `dt` (s), or until `stop` says so; how often.
@@ -207,22 +209,25 @@ impl<'p, const D: usize> Scene<'p, D> {
 
     /// A solid that has left the box: molecules in it would be nowhere.
     pub(super) fn check_solids(&self) -> Result<(), RunError> {
-        for body in &self.solids {
+        let moving = self.solids.iter().map(|body| (body.number, body.first, &body.elastic, body.pace.steps));
+        let balanced = self.vessels.iter();
+        let balanced =
+            balanced.map(|body| (body.number, body.first, &body.vessel.solid, body.course().steps));
+        for (number, first, elastic, step) in moving.chain(balanced) {
             // What is held may be in the walls.
-            let beyond = |i: &usize| {
-                !body.elastic.is_held(*i) && self.plan.domain.is_beyond(&body.elastic.position(*i))
-            };
-            let Some(i) = (0..body.elastic.len()).find(beyond) else { continue };
-            let at = show_vector(body.elastic.position(i).as_slice(), "m");
+            let beyond =
+                |i: &usize| !elastic.is_held(*i) && self.plan.domain.is_beyond(&elastic.position(*i));
+            let Some(i) = (0..elastic.len()).find(beyond) else { continue };
+            let at = show_vector(elastic.position(i).as_slice(), "m");
             return Err(RunError::BlowUp {
-                step: body.pace.steps,
-                time: body.elastic.time(),
-                particle: body.first + i,
+                step,
+                time: elastic.time(),
+                particle: first + i,
                 quantity: format!(
                     "distance of solid `{}` beyond the box at {at}",
-                    self.plan.solids[body.number].name
+                    self.plan.solids[number].name
                 ),
-                value: outside(&self.plan.domain, &body.elastic.position(i)),
+                value: outside(&self.plan.domain, &elastic.position(i)),
                 remedy: "make the box larger, clamp the solid or move it less".into(),
             });
         }
@@ -240,9 +245,37 @@ impl<'p, const D: usize> Scene<'p, D> {
         species: &[String],
         (tick, time): (u64, f64),
     ) -> Result<(), RunError> {
-        let (count, volumes) = (species.len(), &self.volumes);
+        let (count, volumes) = (species.len(), self.volumes.clone());
+        let there = |voxel: usize, s: usize| concentration(amounts[voxel * count + s], volumes[voxel]);
+        let soft = |plan: &SolidPlan<D>, voxel: usize| -> Result<f64, RunError> {
+            let Some(softening) = plan.softening else { return Ok(1.0) };
+            let found = there(voxel, softening.species);
+            let softness = 1.0 - softening.factor * found / softening.at;
+            if softness > 0.0 {
+                return Ok(softness);
+            }
+            let most = show(softening.at / softening.factor, "mol/m^3");
+            Err(RunError::BlowUp {
+                step: tick,
+                time,
+                particle: voxel,
+                quantity: format!(
+                    "shear modulus of solid `{}` over that without `{}`, of which there are {},",
+                    plan.name,
+                    species[softening.species],
+                    show(found, "mol/m^3")
+                ),
+                value: softness,
+                remedy: format!(
+                    "it falls to zero at {most}: make softening.factor smaller or softening.at larger, or keep the concentration below"
+                ),
+            })
+        };
+        self.feed_vessels(there, soft)?;
         for (number, plan) in self.plan.solids.iter().enumerate() {
-            let Some(softening) = plan.softening else { continue };
+            if plan.softening.is_none() {
+                continue;
+            }
             let elastic = match &mut self.flow {
                 Some(flow) => flow.elastic_body_mut(plan.body).map(Coupled::solid_mut),
                 None => {
@@ -251,28 +284,7 @@ impl<'p, const D: usize> Scene<'p, D> {
             };
             let Some(elastic) = elastic else { continue };
             for (i, softness) in elastic.softness_mut().iter_mut().enumerate() {
-                let voxel = plan.first + i;
-                let concentration = amounts[voxel * count + softening.species] / (AVOGADRO * volumes[voxel]);
-                *softness = 1.0 - softening.factor * concentration / softening.at;
-                if *softness > 0.0 {
-                    continue;
-                }
-                let most = show(softening.at / softening.factor, "mol/m^3");
-                return Err(RunError::BlowUp {
-                    step: tick,
-                    time,
-                    particle: voxel,
-                    quantity: format!(
-                        "shear modulus of solid `{}` over that without `{}`, of which there are {},",
-                        plan.name,
-                        species[softening.species],
-                        show(concentration, "mol/m^3")
-                    ),
-                    value: *softness,
-                    remedy: format!(
-                        "it falls to zero at {most}: make softening.factor smaller or softening.at larger, or keep the concentration below"
-                    ),
-                });
+                *softness = soft(plan, plan.first + i)?;
             }
             elastic.renew()?;
         }
@@ -293,8 +305,9 @@ impl<'p, const D: usize> Scene<'p, D> {
         };
         let alone = self.solids.iter().map(|body| of(&body.elastic, body.pace.largest_stretch));
         let coupled = self.flow.iter().flat_map(Flow::elastic_bodies);
-        let all = alone.chain(coupled.map(|(_, coupled)| of(coupled.solid(), coupled.largest_stretch())));
-        all.reduce(|a, b| SolidHealth {
+        let coupled = coupled.map(|(_, coupled)| of(coupled.solid(), coupled.largest_stretch()));
+        let balanced = self.vessels.iter().map(|body| of(&body.vessel.solid, body.course().largest_stretch));
+        alone.chain(coupled).chain(balanced).reduce(|a, b| SolidHealth {
             largest_stretch: a.largest_stretch.max(b.largest_stretch),
             particle_steps: a.particle_steps + b.particle_steps,
             bond_evaluations: a.bond_evaluations + b.bond_evaluations,

@@ -92,7 +92,8 @@ impl<'p, const D: usize> Ready<'p, D> {
             check_steps(place, "fluid", limit.seconds, &limit.limited_by, duration)?;
             fluid = Some((limit.seconds, limit.limited_by));
         }
-        let solid_steps = scene.solid_steps();
+        let mut solid_steps = scene.solid_steps();
+        solid_steps.extend(scene.vessel_steps(until));
         let solid = shortest(&solid_steps);
         if let Some(limit) = solid {
             check_steps(&plan.model.places.run, "solid", limit.seconds, &limit.limited_by, until)?;

@@ -9,6 +9,7 @@ use crate::plan::Plan;
 use crate::plan::start::{Start, sponge_targets};
 use crate::sampling::Observed;
 use crate::scene::Scene;
+use crate::solid::Birth;
 use serde::{Deserialize, Serialize};
 
 /// What all realizations share on one geometry.
@@ -38,12 +39,17 @@ pub(super) struct Exchange {
     left: Vec<u32>,
     /// Species, the particles that carry it in, and mean molecules in each.
     entered: Vec<(usize, Vec<u32>, Vec<f64>)>,
+    /// Particles that came into being, and from whom.
+    births: Vec<Birth>,
 }
 
 impl Exchange {
     /// Works out the particles that crossed an open end since the scene was looked at before.
     pub fn new<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Exchange {
-        let Some(openings) = &scene.plan.openings else { return Exchange::default() };
+        let births = scene.births.clone();
+        let Some(openings) = &scene.plan.openings else {
+            return Exchange { births, ..Exchange::default() };
+        };
         let places = scene.places();
         let mut entered = Vec::new();
         for (particles, carried) in scene.crossings.entered.iter().zip(&openings.carried) {
@@ -54,7 +60,7 @@ impl Exchange {
                 entered.push((*species, voxels, means));
             }
         }
-        Exchange { left: scene.crossings.left.clone(), entered }
+        Exchange { left: scene.crossings.left.clone(), entered, births }
     }
 }
 
@@ -150,7 +156,11 @@ impl Realization {
     }
 
     /// Molecules leave and enter with the particles that cross an open end.
-    pub fn cross(&mut self, plan: &Plan, exchange: &Exchange) {
+    /// Those of particles that divide are shared out.
+    pub fn cross(&mut self, plan: &Plan, start: &Start, exchange: &Exchange) {
+        for birth in &exchange.births {
+            self.state.divide(&plan.reactor, &start.held, birth.particle, &birth.donors);
+        }
         self.state.empty(&exchange.left);
         for (species, voxels, means) in &exchange.entered {
             self.state.enter(&plan.reactor, voxels, *species, means);

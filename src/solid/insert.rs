@@ -181,6 +181,18 @@ impl<const D: usize> Present<D> {
 }
 
 impl<const D: usize> Elastic<D> {
+    /// Other particles at rest, all free and not displaced; softness and growth are still those of before.
+    pub(super) fn begin_at(&mut self, places: Vec<Vector<D>>, volumes: Vec<f64>, bonds: Bonds<D>) {
+        let n = places.len();
+        (self.places, self.volumes, self.bonds) = (places, volumes, bonds);
+        self.holds.resize(n, Hold::Free);
+        for field in [&mut self.displacements, &mut self.velocities, &mut self.forces, &mut self.loads] {
+            field.clear();
+            field.resize(n, Vector::zeros());
+        }
+        self.strains = vec![Strain { f: Matrix::identity(), pull: Matrix::zeros() }; n];
+    }
+
     /// Begins anew from a present state with new bonds; `skin` is the area vector each particle carries, m^(D-1).
     ///
     /// # Errors
@@ -191,18 +203,9 @@ impl<const D: usize> Elastic<D> {
         bonds: Bonds<D>,
         skin: &[Vector<D>],
     ) -> Result<(), RunError> {
-        let n = present.places.len();
-        self.places = present.places;
-        self.volumes = present.volumes;
+        self.begin_at(present.places, present.volumes, bonds);
         self.growth = Some(present.stretches);
         self.softness = present.softness;
-        self.bonds = bonds;
-        self.holds.resize(n, Hold::Free);
-        for field in [&mut self.displacements, &mut self.velocities, &mut self.forces, &mut self.loads] {
-            field.clear();
-            field.resize(n, Vector::zeros());
-        }
-        self.strains = vec![Strain { f: Matrix::identity(), pull: Matrix::zeros() }; n];
         self.consist(skin);
         self.strain()?;
         self.pull();

@@ -44,6 +44,7 @@ pub mod turgor;
 pub mod vessel;
 
 pub use elastic::{Elastic, Hold, Options, Setup};
+pub use insert::Birth;
 pub use jaumann::{Form, Jaumann, JaumannState};
 pub use limit::StepLimit;
 pub use material::{Law, Material};
@@ -51,4 +52,4 @@ pub use relax::{Relaxation, Relaxed};
 pub use shell::Wall;
 pub use state::ElasticState;
 pub use turgor::Turgor;
-pub use vessel::{Growth, Vessel};
+pub use vessel::{Growth, Vessel, VesselState};

@@ -9,10 +9,11 @@ use std::f64::consts::{PI, TAU};
 use crate::vector::Vector;
 
 /// Which particles of a solid are a closed wall, and how its columns hang together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Wall<const D: usize> {
     pub layers: usize,
     /// Columns joined by a face of the mesh (an edge in 2D, a triangle in 3D), anticlockwise seen from outside.
+    #[serde(with = "faces")]
     pub faces: Vec<[u32; D]>,
     /// Number of columns.
     pub columns: usize,
@@ -26,6 +27,25 @@ pub struct Built<const D: usize> {
     pub places: Vec<Vector<D>>,
     /// Exact volumes of the sectors, m^D; their sum is that of the shell.
     pub volumes: Vec<f64>,
+}
+
+/// Faces as a flat list: serde knows no arrays of `D`.
+mod faces {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<const D: usize, S: Serializer>(
+        faces: &[[u32; D]],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        faces.concat().serialize(serializer)
+    }
+
+    pub fn deserialize<'de, const D: usize, T: Deserializer<'de>>(
+        from: T,
+    ) -> Result<Vec<[u32; D]>, T::Error> {
+        let flat: Vec<u32> = Vec::deserialize(from)?;
+        Ok(flat.chunks_exact(D).map(|face| std::array::from_fn(|k| face[k])).collect())
+    }
 }
 
 impl<const D: usize> Wall<D> {

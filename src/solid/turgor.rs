@@ -23,7 +23,7 @@ pub struct Turgor {
 }
 
 /// What the turgor is now.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Inside {
     /// Volume inside the inner surface, m^D.
     pub volume: f64,

@@ -32,6 +32,24 @@ const MOST: f64 = 0.02;
 /// Edges that long, in edges at the start, are gaps.
 const GAP: f64 = 2.0;
 
+/// What must be kept of a vessel to go on with it later, to the bit; what follows from it is left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VesselState<const D: usize> {
+    wall: Wall<D>,
+    places: Vec<Vector<D>>,
+    volumes: Vec<f64>,
+    displacements: Vec<Vector<D>>,
+    growth: Option<Vec<Matrix<D>>>,
+    softness: Vec<f64>,
+    before: Vec<Matrix<D>>,
+    delivered: f64,
+    step: f64,
+    inside: Inside,
+    last: Relaxed,
+    time: f64,
+    tally: crate::solid::elastic::Tally,
+}
+
 /// A closed wall in equilibrium with the turgor of what it encloses.
 pub struct Vessel<const D: usize> {
     pub solid: Elastic<D>,
@@ -90,6 +108,71 @@ impl<const D: usize> Vessel<D> {
         })
     }
 
+    /// The state as it is now.
+    #[must_use]
+    pub fn image(&self) -> VesselState<D> {
+        let solid = &self.solid;
+        VesselState {
+            wall: self.wall.clone(),
+            places: solid.places.clone(),
+            volumes: solid.volumes.clone(),
+            displacements: solid.displacements.clone(),
+            growth: solid.growth.clone(),
+            softness: solid.softness.clone(),
+            before: self.before.clone(),
+            delivered: self.delivered,
+            step: self.step,
+            inside: self.inside,
+            last: self.last,
+            time: self.time,
+            tally: solid.tally.clone(),
+        }
+    }
+
+    /// Puts a vessel of the same setup into a state; `None` if the state belongs to another.
+    #[must_use]
+    pub fn restore(&mut self, state: VesselState<D>) -> Option<()> {
+        let n = state.places.len();
+        let fits = state.wall.columns * state.wall.layers == n
+            && state.wall.columns >= self.start.3
+            && [state.volumes.len(), state.displacements.len(), state.softness.len(), state.before.len()]
+                == [n; 4]
+            && state.growth.as_ref().is_none_or(|growth| growth.len() == n);
+        if !fits {
+            return None;
+        }
+        self.wall = state.wall;
+        let skin = self.wall.skin(&state.places, &state.volumes);
+        let bonds = self.bonds(&state.places, &state.volumes).ok()?;
+        self.solid.begin_at(state.places, state.volumes, bonds);
+        self.solid.growth = state.growth;
+        self.solid.softness = state.softness;
+        self.solid.consist(&skin);
+        self.solid.displacements = state.displacements;
+        self.solid.renew().ok()?;
+        self.solid.time = state.time;
+        self.solid.tally = state.tally;
+        (self.before, self.delivered, self.step) = (state.before, state.delivered, state.step);
+        (self.inside, self.last, self.time) = (state.inside, state.last, state.time);
+        Some(())
+    }
+
+    /// From one equilibrium to the next, `dt` (s) later: with the softness of now the wall relaxes, grows (particle i at
+    /// φ = `phi[i]`, 1/(Pa s)) and gets new columns; who gave what to whom, in order.
+    ///
+    /// # Errors
+    /// As [`Vessel::relax`] and [`Vessel::insert`].
+    pub fn advance(&mut self, dt: f64, phi: &[f64]) -> Result<Vec<Birth>, RunError> {
+        let end = self.time + dt;
+        self.solid.renew()?;
+        if self.growth.is_some() && phi.iter().any(|&phi| phi > 0.0) {
+            self.relax(self.time)?;
+            self.grow(dt, phi)?;
+        }
+        self.relax(end)?;
+        self.insert()
+    }
+
     /// Brings the wall to equilibrium with the turgor of time `t` (s).
     ///
     /// # Errors
@@ -99,9 +182,14 @@ impl<const D: usize> Vessel<D> {
         let inside = &mut self.inside;
         self.time = t;
         self.solid.time = t;
+        let before = self.last.period;
         self.last = self.solid.relax(&self.relaxation, &mut self.step, |solid| {
             *inside = turgor.load(solid, wall, t, start);
         })?;
+        // What was in balance already did not move.
+        if self.last.period == 0.0 {
+            self.last.period = before;
+        }
         Ok(self.last)
     }
 
@@ -170,7 +258,7 @@ impl<const D: usize> Vessel<D> {
         let capacity = self.start.3 + growth.reserve;
         let density = self.solid.material.density;
         let births = present.refine(&mut self.wall, most, capacity, density, self.time)?;
-        let bonds = self.bonds(&present)?;
+        let bonds = self.bonds(&present.places, &present.volumes)?;
         self.before = std::mem::take(&mut present.gradients);
         let skin = self.wall.skin(&present.places, &present.volumes);
         self.solid.begin_again(present, bonds, &skin)?;
@@ -180,8 +268,8 @@ impl<const D: usize> Vessel<D> {
     }
 
     /// Bonds whose reach follows the longest edge of each column.
-    fn bonds(&self, present: &Present<D>) -> Result<Bonds<D>, RunError> {
-        let nodes = self.wall.middle(|i| present.places[i]);
+    fn bonds(&self, places: &[Vector<D>], volumes: &[f64]) -> Result<Bonds<D>, RunError> {
+        let nodes = self.wall.middle(|i| places[i]);
         let mut wide = vec![1.0_f64; self.wall.columns];
         for [a, b] in self.wall.edges() {
             let length = (nodes[a as usize] - nodes[b as usize]).norm() / self.start.1;
@@ -191,7 +279,7 @@ impl<const D: usize> Vessel<D> {
         }
         let widest = wide.iter().copied().fold(1.0, f64::max) * self.support;
         let layers = self.wall.layers;
-        Bonds::each(&present.places, &present.volumes, &self.domain, widest, |i, j| {
+        Bonds::each(places, volumes, &self.domain, widest, |i, j| {
             Kernel::new(self.kernel, 0.5 * self.support * (wide[i / layers] + wide[j / layers]))
         })
     }
@@ -200,6 +288,12 @@ impl<const D: usize> Vessel<D> {
     #[must_use]
     pub fn inside(&self) -> Inside {
         self.inside
+    }
+
+    /// Time, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
     }
 
     /// How the last relaxation went.
@@ -225,6 +319,20 @@ impl<const D: usize> Vessel<D> {
     pub fn stretch(&self, i: usize) -> f64 {
         let f = self.solid.gradient(i) * self.before[i];
         embed(&(f.transpose() * f), 0.0).symmetric_eigenvalues().max().max(0.0).sqrt()
+    }
+
+    /// The largest stretch of all particles.
+    #[must_use]
+    pub fn largest_stretch(&self) -> f64 {
+        (0..self.solid.len()).map(|i| self.stretch(i)).fold(0.0, f64::max)
+    }
+
+    /// The least distance of the inner from the outer surface, column by column, m.
+    #[must_use]
+    pub fn thinnest(&self) -> f64 {
+        let at = |i| self.solid.position(i);
+        let (inner, outer) = (self.wall.inner(at), self.wall.outer(at));
+        inner.iter().zip(&outer).map(|(a, b)| (a - b).norm()).fold(f64::INFINITY, f64::min)
     }
 
     /// Gaps in the inner and outer surface and places where they cross themselves.
@@ -401,6 +509,33 @@ mod tests {
         let radius = [8, 16, 32].map(|steps| lockhart_ring(steps, 60.0).0);
         let ratio = (radius[0] - radius[1]) / (radius[1] - radius[2]);
         assert!((3.0..5.0).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_vessel_goes_on_from_a_state_as_if_nothing_had_been() {
+        let growth = Growth { yields: 1.0, insert_at: 1.2, reserve: 200 };
+        let new = || vessel::<2>(0.75, 3, 20.0, 1.0, Some(growth));
+        let phi = |vessel: &Vessel<2>| -> Vec<f64> {
+            (0..vessel.solid.len()).map(|i| 0.05 * f64::from(vessel.solid.position(i)[0] > 0.9)).collect()
+        };
+        let mut straight = new();
+        straight.relax(0.0).unwrap();
+        let mut births = 0;
+        for _ in 0..4 {
+            births += straight.advance(0.3, &phi(&straight)).unwrap().len();
+        }
+        let file = postcard::to_allocvec(&straight.image()).unwrap();
+        let mut resumed = new();
+        resumed.restore(postcard::from_bytes(&file).unwrap()).expect("fits");
+        for vessel in [&mut straight, &mut resumed] {
+            for _ in 0..4 {
+                births += vessel.advance(0.3, &phi(vessel)).unwrap().len();
+            }
+        }
+        assert!(births > 0 && straight.image() == resumed.image());
+        // One of fewer columns belongs to another setup.
+        let mut larger = vessel::<2>(0.9, 3, 20.0, 1.0, None);
+        assert!(larger.restore(new().image()).is_none());
     }
 
     #[test]

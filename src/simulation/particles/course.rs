@@ -253,7 +253,7 @@ impl<const D: usize> Course<'_, '_, D> {
                 let after = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
                 let exchange = Exchange::new(plan, &self.scene);
                 way.crew.advance(|one| {
-                    one.cross(plan, &exchange);
+                    one.cross(plan, start, &exchange);
                     one.after_motion(&after, time + half, half)
                 });
                 way.course.chemistry_seconds += chemistry.elapsed().as_secs_f64();
