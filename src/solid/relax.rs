@@ -71,7 +71,7 @@ impl<const D: usize> Elastic<D> {
                 }
             }
         }
-        Err(self.unbalanced("residual of its equilibrium", f64::INFINITY))
+        Err(self.unbalanced("shorter steps were tried in vain, the last one in s", *step))
     }
 
     /// One attempt; none if it ran away.
@@ -116,7 +116,7 @@ impl<const D: usize> Elastic<D> {
             if round % LOOK == LOOK - 1 {
                 let stretch = (0..n).map(|i| self.stretch(i)).fold(0.0, f64::max);
                 if stretch > relaxation.stretch {
-                    return Err(self.unbalanced("stretch", stretch));
+                    return Err(self.unbalanced("its largest stretch", stretch));
                 }
             }
             let damp = (omega * dt).min(1.0);
@@ -130,10 +130,13 @@ impl<const D: usize> Elastic<D> {
                 }
             }
             self.tally.particle_steps += n as u64;
-            self.strain()?;
+            if self.strain().is_err() {
+                // Overshot, or there is nothing to come to.
+                return Ok(None);
+            }
             self.pull();
         }
-        Err(self.unbalanced("residual of its equilibrium", lowest))
+        Err(self.unbalanced("its least force left over its loads", lowest))
     }
 
     /// All forces on a particle that may move, N per unit thickness.
@@ -153,7 +156,7 @@ impl<const D: usize> Elastic<D> {
             time: self.time,
             particle: widest,
             quantity: format!(
-                "no equilibrium: at ({}) m the solid is stretched {:.2} times; its {what}",
+                "no equilibrium: at ({}) m the solid is stretched {:.2} times; {what}",
                 at.join(", "),
                 self.stretch(widest)
             ),

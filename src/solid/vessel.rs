@@ -437,6 +437,62 @@ mod tests {
         }
     }
 
+    /// Radius of the inner surface (outer one at rest: 1) of a neo-Hookean ring under pressure, plane strain: shooting on
+    /// dP_R/dR = (P_Θ - P_R)/R, λ_r = r', λ_θ = r/R, P_k = G (λ_k - 1/λ_k) + λ ln(λ_r λ_θ)/λ_k.
+    fn inflated(inner: f64, pressure: f64, material: &Material) -> f64 {
+        let (g, lame) = (material.shear, material.bulk - 2.0 / 3.0 * material.shear);
+        let stress = |a: f64, b: f64| g * (a - 1.0 / a) + lame * (a * b).ln() / a;
+        // λ_r of a radial stress, by Newton's method.
+        let radial = |p: f64, hoop: f64| {
+            let mut a = 1.0;
+            for _ in 0..50 {
+                let slope = g * (1.0 + 1.0 / (a * a)) + lame * (1.0 - (a * hoop).ln()) / (a * a);
+                a -= (stress(a, hoop) - p) / slope;
+            }
+            a
+        };
+        // Radial stress that is left outside when the inner surface goes to `r`.
+        let outside = |r: f64| {
+            let (steps, mut at) = (400, [r, -pressure * r / inner]);
+            let h = (1.0 - inner) / f64::from(steps);
+            let rate = |x: f64, at: [f64; 2]| {
+                let (hoop, a) = (at[0] / x, radial(at[1], at[0] / x));
+                [a, (stress(hoop, a) - at[1]) / x]
+            };
+            for k in 0..steps {
+                let x = inner + h * f64::from(k);
+                let a = rate(x, at);
+                let b = rate(x + 0.5 * h, [at[0] + 0.5 * h * a[0], at[1] + 0.5 * h * a[1]]);
+                at = [at[0] + h * b[0], at[1] + h * b[1]];
+            }
+            at[1]
+        };
+        let (mut low, mut high) = (inner, 1.6 * inner);
+        for _ in 0..60 {
+            let r = 0.5 * (low + high);
+            if outside(r) < 0.0 { low = r } else { high = r }
+        }
+        low
+    }
+
+    #[test]
+    fn a_ring_blown_up_by_a_quarter_follows_the_exact_solution() {
+        let mut vessel = vessel::<2>(0.75, 4, 1.0, 0.05, None);
+        vessel.relax(0.0).unwrap();
+        let exact = inflated(0.75, 0.05, &vessel.solid.material);
+        let inner = vessel.wall.inner(|i| vessel.solid.position(i));
+        let ours = inner.iter().map(|x| x.norm()).sum::<f64>() / inner.len() as f64;
+        // Measured: 0.5 %.
+        assert!(exact > 0.85 && ((ours - exact) / (exact - 0.75)).abs() < 0.02, "{ours} {exact}");
+    }
+
+    #[test]
+    fn a_wall_without_equilibrium_is_told() {
+        // A neo-Hookean ring holds no more than about G ln(outer/inner) = 0.11.
+        let told = vessel::<2>(0.75, 4, 1.0, 0.14, None).relax(0.0).unwrap_err().to_string();
+        assert!(told.contains("no equilibrium") && told.contains("stretched"), "{told}");
+    }
+
     #[test]
     fn free_growth_that_fits_is_free_of_stress() {
         fn grown<const D: usize>() {
