@@ -244,6 +244,13 @@ fn boundaries(node: Option<&Node>, d: usize, faults: &mut Faults) -> Option<Vec<
     Some(found)
 }
 
+/// Kernels by name.
+pub(super) const KERNELS: [(&str, KernelKind); 3] = [
+    ("lucy", KernelKind::Lucy),
+    ("cubic_spline", KernelKind::CubicSpline),
+    ("wendland", KernelKind::Wendland),
+];
+
 /// What `particles` says.
 struct Layout {
     spacing: f64,
@@ -263,16 +270,7 @@ fn layout(node: Option<&Node>, domain: &Node, faults: &mut Faults) -> Option<Lay
     };
     let mut fields = Fields::of(node, "particles", faults)?;
     let spacing = fields.required("spacing", faults).and_then(|n| n.positive(Dimension::LENGTH, faults));
-    let kernel = fields.optional("kernel").map(|n| {
-        n.choice(
-            &[
-                ("lucy", KernelKind::Lucy),
-                ("cubic_spline", KernelKind::CubicSpline),
-                ("wendland", KernelKind::Wendland),
-            ],
-            faults,
-        )
-    });
+    let kernel = fields.optional("kernel").map(|n| n.choice(&KERNELS, faults));
     let support = fields.optional("support").map(|n| {
         let value = n.number(faults)?;
         if (1.2..=6.0).contains(&value) {

@@ -9,7 +9,7 @@ pub use material::law_name;
 pub use points::Point;
 pub(super) use points::{check_names, read as read_points};
 
-use super::domain::{ParticleDomain, Sections};
+use super::domain::{KERNELS, ParticleDomain, Sections};
 use super::fluid::field::{self, Field};
 use super::fluid::velocity::{self, Velocity};
 use super::groups::Material as GroupMaterial;
@@ -22,6 +22,7 @@ use crate::error::Place;
 use crate::geometry::Shape;
 use crate::quantity::Dimension;
 use crate::solid::Material;
+use crate::space::KernelKind;
 
 /// An elastic solid as it is described.
 #[derive(Clone, Debug)]
@@ -31,6 +32,8 @@ pub struct SolidModel {
     pub form: Form,
     /// Of its own particles, m.
     pub spacing: f64,
+    /// Of its own bonds.
+    pub kernel: KernelKind,
     /// Cut-off of the kernel at rest over spacing.
     pub support: f64,
     pub placement: Placement,
@@ -203,6 +206,7 @@ fn solid(
     let form = fields.optional("method").map(|n| n.choice(&Form::NAMES, faults));
     let spacing_node = fields.optional("spacing");
     let spacing = spacing_node.map(|n| n.positive(Dimension::LENGTH, faults));
+    let kernel = fields.optional("kernel").map(|n| n.choice(&KERNELS, faults));
     let support = fields.optional("support").map(|n| support(n, faults));
     let placement = fields
         .optional("placement")
@@ -252,6 +256,7 @@ fn solid(
         material: material?,
         form: form.unwrap_or(Some(Form::default()))?,
         spacing: spacing.unwrap_or(Some(of.spacing))?,
+        kernel: kernel.unwrap_or(Some(domain.kernel))?,
         support: support.unwrap_or(Some(1.6))?,
         placement: placement.unwrap_or(Some(Placement::default()))?,
         hourglass: hourglass?,

@@ -101,7 +101,7 @@ pub(super) fn solid<const D: usize>(
         body: body as u8,
         setup: Setup {
             domain: space.clone(),
-            kernel: domain.kernel,
+            kernel: solid.kernel,
             cutoff: solid.support * solid.spacing,
             volumes: found.iter().map(|(_, volume)| *volume).collect(),
             holds: holds(solid, (space, &places), faults),

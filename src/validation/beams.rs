@@ -65,7 +65,7 @@ impl Beam {
                 max: Vector::from_element(3.0 * self.length),
                 periodic: [false; D],
             },
-            kernel: KernelKind::Lucy,
+            kernel: KernelKind::Wendland,
             cutoff: self.support * spacing,
             volumes: vec![spacing.powi(D as i32); places.len()],
             holds,
