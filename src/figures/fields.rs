@@ -3,6 +3,7 @@
 use super::colours::{Colour, diverging, viridis};
 use super::painting::{Bar, Field, colour_bar, draw_arrows, map, paint};
 use super::panel::range;
+use super::solids::is_strained;
 use super::{Drawing, Figure, Samples, WIDTH, clock, moments, slug};
 use crate::chemistry::AVOGADRO;
 use crate::statistics::quantile;
@@ -73,8 +74,11 @@ pub fn flow(samples: &Samples) -> Vec<Figure> {
     let Some(frame) = samples.frames.last().filter(|_| samples.record.domain.dimensions > 1) else {
         return out;
     };
-    // A zone marks a part of the fluid.
+    // A zone marks a part of the fluid, or of a solid.
     let fluid = |i: usize| {
+        if is_strained(frame, i) {
+            return false;
+        }
         let name = frame.group_name(i);
         let flows = |material: &str| material == "fluid" || material == "zone";
         samples.record.domain.groups.iter().any(|g| g.name == name && flows(&g.material))

@@ -5,7 +5,7 @@ mod outlines;
 mod snapshots;
 
 use super::{Figure, Samples};
-use crate::tables::ProbeRows;
+use crate::tables::{ParticleFrame, ProbeRows};
 
 pub use courses::{courses, ends};
 
@@ -38,6 +38,35 @@ pub fn outline(name: &str) -> String {
 #[must_use]
 pub fn is_outline(samples: &Samples, probe: &str) -> bool {
     names(samples).into_iter().any(|name| outline(name) == probe)
+}
+
+/// Whether each particle is of a solid. A zone takes particles of a solid into its own group: those of its particles that
+/// are ever stressed or stretched belong to the solid that is next by number.
+fn members(samples: &Samples, name: &str) -> Vec<bool> {
+    let frames = &samples.frames;
+    let count = frames.iter().map(ParticleFrame::len).max().unwrap_or(0);
+    let zone =
+        |group: &str| samples.record.domain.groups.iter().any(|g| g.name == group && g.material == "zone");
+    let solid = |group: &str| names(samples).contains(&group);
+    let ever = |of: &dyn Fn(&ParticleFrame, usize) -> bool| -> Vec<bool> {
+        (0..count).map(|i| frames.iter().any(|f| i < f.len() && of(f, i))).collect()
+    };
+    let known = ever(&|f, i| solid(f.group_name(i)));
+    let mut own = ever(&|f, i| f.group_name(i) == name);
+    let taken = ever(&|f, i| zone(f.group_name(i)) && is_strained(f, i));
+    let numbers: Vec<usize> = (0..count).filter(|&i| known[i]).collect();
+    for i in (0..count).filter(|&i| taken[i] && !known[i]) {
+        let after = numbers.partition_point(|&n| n < i);
+        let beside = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|k| numbers.get(k));
+        own[i] = beside.min_by_key(|n| n.abs_diff(i)).is_some_and(|&n| own[n]);
+    }
+    own
+}
+
+/// Whether a particle shows that it is elastic.
+pub(super) fn is_strained(frame: &ParticleFrame, i: usize) -> bool {
+    let at = |values: &[f64], rest: f64| values.get(i).is_some_and(|v| v.is_finite() && *v != rest);
+    at(&frame.stress, 0.0) || at(&frame.stretch, 1.0)
 }
 
 /// Rows of one probe and quantity.

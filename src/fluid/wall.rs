@@ -155,7 +155,9 @@ impl<const D: usize> Obstacles<'_, D> {
         let depth = -distance(&origin);
         (depth > 0.0).then(|| {
             let out = coupled.push_forward(row, &direction(&gradient(distance, &origin, step)));
-            (depth / out.norm(), direction(&out))
+            let stretch = out.norm();
+            // Half way between two surfaces there is no way out.
+            if stretch > 0.0 { (depth / stretch, out / stretch) } else { (depth, Vector::zeros()) }
         })
     }
 

@@ -166,7 +166,9 @@ impl<const D: usize> ParticlePlan<D> {
                 elastic[k].as_ref()?.vessel.as_ref().map(|vessel| (vessel, growth))
             });
             if let Some((vessel, growth)) = vessel {
-                let waiting = vessels::reserve(vessel, growth, (min, volume));
+                // Beyond the box, where no voxel is.
+                let nowhere = min - (max - min);
+                let waiting = vessels::reserve(vessel, growth, (nowhere, volume));
                 home.extend(waiting.iter().map(|_| domain.groups.len() as u8));
                 particles.extend(waiting);
             }

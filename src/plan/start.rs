@@ -33,6 +33,19 @@ pub struct Start {
     pub held: Vec<bool>,
     /// Held amounts that are dealt Poisson at every step: species, voxels, means.
     pub held_poisson: Vec<(usize, Vec<u32>, Vec<f64>)>,
+    /// Concentrations that are held in particles whose volumes change with the solid they are part of.
+    pub held_in_solids: Vec<HeldConcentration>,
+}
+
+/// A concentration that is held whatever becomes of the volumes.
+#[derive(Clone, Debug)]
+pub struct HeldConcentration {
+    pub species: usize,
+    pub voxels: Vec<u32>,
+    /// mol/m³.
+    pub concentrations: Vec<f64>,
+    /// Whether whole molecules are dealt Poisson anew at every step.
+    pub poisson: bool,
 }
 
 impl Start {
@@ -98,7 +111,21 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
                     start.held[i * count + s] = true;
                     start.amounts[i * count + s] = mean;
                 }
-                if held.deal == Deal::Poisson && plan.reactor.discrete[*s] {
+                let poisson = held.deal == Deal::Poisson && plan.reactor.discrete[*s];
+                if matches!(amount, Amount::Concentration(_) | Amount::Field(_)) {
+                    let own = means.iter().filter(|(i, _)| in_solid(plan, voxels.home[*i]));
+                    let own: Vec<(usize, f64)> = own.copied().collect();
+                    start.held_in_solids.push(HeldConcentration {
+                        species: *s,
+                        voxels: own.iter().map(|(i, _)| *i as u32).collect(),
+                        concentrations: own
+                            .iter()
+                            .map(|(i, mean)| mean / (AVOGADRO * voxels.volumes[*i]))
+                            .collect(),
+                        poisson,
+                    });
+                }
+                if poisson {
                     let (voxels, means) = means.into_iter().map(|(i, mean)| (i as u32, mean)).unzip();
                     start.held_poisson.push((*s, voxels, means));
                 }
@@ -109,6 +136,12 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
     let held = &start.held;
     start.poisson.retain(|(slot, _)| !held[*slot as usize]);
     start
+}
+
+/// Whether the particles of a home group are part of an elastic solid.
+fn in_solid(plan: &Plan, home: u8) -> bool {
+    let Domain::Particles(domain) = &plan.model.domain else { return false };
+    domain.groups.get(usize::from(home)).is_some_and(|group| group.material == Material::Solid)
 }
 
 /// Refuses fields that are negative or undefined somewhere, and more whole molecules than can be counted.

@@ -82,6 +82,13 @@ pub(super) fn vessel<const D: usize>(
         stiffness: t.stiffness,
         rise: t.rise,
     });
+    if solid.growth.is_some_and(|growth| growth.reserve > MOST_RESERVE) {
+        let remedy = format!(
+            "a reserve of {MOST_RESERVE} particles is the most; a few times those of the wall are plenty"
+        );
+        refuse(entry, "growth.reserve is more than fits in memory", &remedy);
+        return None;
+    }
     let growth = solid.growth.map(|growth| Growth {
         yields: growth.yield_stress,
         insert_at: growth.insert_at,
@@ -96,6 +103,9 @@ pub(super) fn vessel<const D: usize>(
         relaxation: Relaxation { tolerance, ..Relaxation::default() },
     })
 }
+
+/// Most particles in reserve.
+const MOST_RESERVE: usize = 10_000_000;
 
 /// Particles in reserve of a vessel: voxels that are nowhere until they are needed.
 pub(super) fn reserve<const D: usize>(

@@ -173,6 +173,7 @@ impl Realization {
         self.state.react(&around.plan.reactor, around.frozen, time, half)?;
         self.feed(around, half);
         self.deal_held(around.plan, around.start);
+        self.hold_in_solids(around);
         Ok(())
     }
 
@@ -207,6 +208,23 @@ impl Realization {
     fn deal_held(&mut self, plan: &Plan, start: &Start) {
         for (s, voxels, means) in &start.held_poisson {
             self.state.deal_held(&plan.reactor, voxels, *s, means);
+        }
+    }
+
+    /// Brings held concentrations to what they are in the volumes of now.
+    fn hold_in_solids(&mut self, around: &Surroundings) {
+        let reactor = &around.plan.reactor;
+        for held in &around.start.held_in_solids {
+            let of = |(&voxel, c): (&u32, &f64)| {
+                let amount = c * around.frozen.scales[voxel as usize].molar;
+                if reactor.discrete[held.species] && !held.poisson { amount.round() } else { amount }
+            };
+            let amounts: Vec<f64> = held.voxels.iter().zip(&held.concentrations).map(of).collect();
+            if held.poisson {
+                self.state.deal_held(reactor, &held.voxels, held.species, &amounts);
+            } else {
+                self.state.hold(&held.voxels, held.species, &amounts);
+            }
         }
     }
 }

@@ -54,10 +54,10 @@ impl Default for Form {
 
 impl Form {
     /// As in SPH-BVF, section 4.5. With h = 3 spacings a beam needs this much viscosity: artificial stress makes the
-    /// stiffness unsymmetric, so that waves can gain.
+    /// stiffness unsymmetric, so that short waves gain (half of it does not hold them for a small swing).
     #[must_use]
     pub fn printed() -> Form {
-        Form { artificial_stress: 0.2, artificial_viscosity: 0.5, corrected: false }
+        Form { artificial_stress: 0.2, artificial_viscosity: 1.0, corrected: false }
     }
 }
 

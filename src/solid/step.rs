@@ -67,7 +67,9 @@ impl<const D: usize> Elastic<D> {
 
     /// v += dt a; the drag is solved exactly.
     fn kick(&mut self, dt: f64, loaded: bool) {
-        let drag = (-self.options.drag * dt).exp();
+        let lost = self.options.drag * dt;
+        // v' = a - drag v over dt.
+        let (kept, gained) = ((-lost).exp(), if lost > 0.0 { -(-lost).exp_m1() / lost * dt } else { dt });
         let density = self.material.density;
         for (i, velocity) in self.velocities.iter_mut().enumerate() {
             if !matches!(self.holds[i], Hold::Free) {
@@ -75,7 +77,7 @@ impl<const D: usize> Elastic<D> {
             }
             let force: Vector<D> = if loaded { self.forces[i] + self.loads[i] } else { self.forces[i] };
             let pull = force / (density * self.volumes[i]) + self.options.body_force;
-            *velocity = (*velocity + pull * dt) * drag;
+            *velocity = *velocity * kept + pull * gained;
         }
     }
 

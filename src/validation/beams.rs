@@ -76,7 +76,6 @@ impl Beam {
     }
 
     /// Deflection of mode `n` of the thin beam at x (m), one at its right end or, if that is held, about one.
-    #[must_use]
     pub fn shape(&self, n: usize) -> impl Fn(f64) -> f64 + use<> {
         let (k, ends, length) = (self.ends.wave(n), self.ends, self.length);
         let (sin, cos, sinh, cosh) = (k.sin(), k.cos(), k.sinh(), k.cosh());
@@ -177,8 +176,8 @@ pub struct Swing {
     pub times: Vec<f64>,
     pub deflections: Vec<f64>,
     pub energies: Vec<f64>,
-    /// Places of the particles when it first goes back, m, two of them each.
-    pub bent: Vec<[f64; 2]>,
+    /// Of each particle x and y when it first goes back, and at rest, m.
+    pub bent: Vec<[f64; 4]>,
     pub particle_steps: f64,
     /// Wall time, s.
     pub seconds: f64,
@@ -216,7 +215,11 @@ pub fn swing<const D: usize>(
             zeros.push(last.0 + (now - last.0) * last.1 / (last.1 - deflection));
         }
         if out.bent.is_empty() && deflection < last.1 {
-            out.bent = (0..places.len()).map(|i| [solid.place(i)[0], solid.place(i)[1]]).collect();
+            let four = |i: usize| {
+                let (x, rest) = (solid.place(i), places[i]);
+                [x[0], x[1], rest[0], rest[1]]
+            };
+            out.bent = (0..places.len()).map(four).collect();
         }
         last = (now, deflection);
         if now >= next {

@@ -11,15 +11,17 @@ use crate::plan::Arena;
 use crate::solid::{Form, Jaumann, Setup};
 use crate::statistics::convergence_order;
 
-/// Period in plane strain, s: the finite elements of [`Beam::reference`] converge to it from below (0.25490, 0.25510,
-/// 0.25518, 0.25521, 0.25522 with 4 to 64 of them across).
-const REFERENCE: f64 = 0.2552;
+/// Period in plane strain, s: what the finite elements of [`Beam::reference`] converge to from below (0.2548954,
+/// 0.2551035, 0.2551802, 0.2552106, 0.2552230 with 4 to 64 of them across; each step is 0.4 of the one before).
+const REFERENCE: f64 = 0.25523;
 /// Particles across, and the periods printed for V0 = 1e-3, s.
 const PRINTED: [(usize, f64); 3] = [(10, 0.2747), (20, 0.2605), (30, 0.2539)];
 /// Largest relative errors that pass.
 const LIMITS: [f64; 3] = [0.03, 0.012, 0.007];
 /// Largest change of energy over ten periods, and of the period, that pass.
 const KEPT: [f64; 2] = [0.01, 1e-3];
+/// Kinds of the updated-Lagrangian form.
+const FORMS: usize = 3;
 /// Velocity of the tip over the sound speed, as small as makes no difference.
 const SMALL: f64 = 1e-4;
 
@@ -46,7 +48,7 @@ pub fn plate(scope: Scope) -> Result<Verdict, RunError> {
                     ours: elements,
                     reference: Some(REFERENCE),
                     error: (elements / REFERENCE - 1.0).abs(),
-                    limit: 2e-4,
+                    limit: 3e-4,
                     ..Row::default()
                 }],
                 ..Case::default()
@@ -175,7 +177,7 @@ impl Case {
                 SMALL,
             ),
         ];
-        for (name, form, support, part) in forms {
+        for (name, form, support, part) in forms.into_iter().take(FORMS) {
             let beam = Beam { support, ..Beam::published(across, Ends::Cantilever) };
             let setup = setup(across, support)?;
             let places = setup.places.clone();
@@ -204,86 +206,81 @@ impl Case {
             let largest = found.deflections.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             found.deflections.iter().map(|d| d / largest).collect()
         };
-        let mut deflections = Vec::new();
+        let (mut deflections, mut updated) = (Vec::new(), Vec::new());
         for (k, (across, found)) in self.small.iter().enumerate() {
-            let name = format!("Ny = {across}");
-            deflections.push(line(&name, found, &scaled(found), palette(k)));
-            self.curves.push(Curves::new(
-                &format!("deflection_{across}"),
-                [
-                    ("t", found.times.clone()),
-                    ("deflection", found.deflections.clone()),
-                    ("energy", found.energies.clone()),
-                ],
-            ));
+            deflections.push(line(&format!("Ny = {across}"), found, &scaled(found), palette(k + 2)));
+            self.curves.push(columns(&format!("deflection_{across}"), found));
         }
         for (k, (name, found)) in self.jaumann.iter().enumerate() {
-            self.curves.push(Curves::new(
-                &format!("jaumann_{k}"),
-                [
-                    ("t", found.times.clone()),
-                    ("deflection", found.deflections.clone()),
-                    ("energy", found.energies.clone()),
-                ],
-            ));
-            deflections.push(line(&format!("Jaumann, {name}"), found, &scaled(found), palette(k + 3)));
+            self.curves.push(columns(&format!("jaumann_{k}"), found));
+            // Finer ones move alike.
+            if k < FORMS {
+                updated.push(line(&format!("Jaumann, {name}"), found, &scaled(found), palette(k + 4)));
+            }
         }
         let time = || Ruler::linear("t / T of the reference");
-        panels.push(Plot {
-            title: "a  deflection".into(),
-            x: time(),
-            y: Ruler::linear("deflection / largest"),
-            traces: deflections,
-        });
+        let mut panel = |title: &str, x: Ruler, y: Ruler, traces: Vec<Trace>| {
+            if !traces.is_empty() {
+                let letter = ["a", "b", "c", "d", "e"][panels.len().min(4)];
+                panels.push(Plot { title: format!("{letter}  {title}"), x, y, traces });
+            }
+        };
+        let deflection = || Ruler::linear("deflection / largest");
+        panel("small swings", time(), deflection(), deflections);
         if self.small.len() > 1 {
-            panels.push(self.convergence());
+            let n = || Ruler::logarithmic("particles across");
+            panel("error of the period", n(), Ruler::logarithmic("relative error"), self.convergence());
         }
         if let Some(found) = &self.large {
-            panels.push(Plot {
-                title: "c  energy, V0 = 0.01".into(),
-                x: time(),
-                y: Ruler::linear("energy / first"),
-                traces: vec![line("", found, &found.energies, BLACK)],
-            });
-            let column = |k: usize| found.bent.iter().map(|x| 1e3 * x[k]).collect::<Vec<f64>>();
-            panels.push(Plot {
-                title: "d  bent most, V0 = 0.01".into(),
-                x: Ruler::linear("x (mm)"),
-                y: Ruler::linear("y (mm)"),
-                traces: vec![Trace::new("", &column(0), &column(1), Style::Points, BLACK)],
-            });
-            self.curves.push(Curves::new(
-                "ten_periods",
-                [
-                    ("t", found.times.clone()),
-                    ("deflection", found.deflections.clone()),
-                    ("energy", found.energies.clone()),
-                ],
-            ));
+            // What is allowed is one per cent.
+            let energy = Ruler::linear("energy / first").from(0.99, 1.01);
+            panel("energy, V0 = 0.01", time(), energy, vec![line("", found, &found.energies, BLACK)]);
+            let (x, y) = (Ruler::linear("x (mm)"), Ruler::linear("y (mm)"));
+            panel("bent most, V0 = 0.01", x, y, rows(&found.bent));
+            self.curves.push(columns("ten_periods", found));
         }
-        let caption = "a: deflection along the first mode over its largest. b: relative error of the period against finite elements in plane \
-                       strain; Jacob et al. print periods that pass the reference. c, d: ten periods of V0 = 0.01 with 20 particles across.";
+        panel("updated-Lagrangian form", time(), deflection(), updated);
+        let caption = "Deflection along the first mode over its largest; relative error of the period against finite elements in plane \
+                       strain (the periods of Jacob et al. pass it and go on); ten periods of V0 = 0.01 with 20 particles across: energy \
+                       within the per cent that is allowed, and rows of particles; the form of Jaumann with 10 across.";
         let figures = vec![plots("cantilever", "A clamped plate swings", caption, &panels, 2, 50.0)];
         Findings { rows: self.rows, curves: self.curves, figures }
     }
 
-    fn convergence(&self) -> Plot {
+    fn convergence(&self) -> Vec<Trace> {
         let n: Vec<f64> = self.small.iter().map(|(across, _)| *across as f64).collect();
         let error = |period: f64| (period / REFERENCE - 1.0).abs();
         let ours: Vec<f64> = self.small.iter().map(|(_, found)| error(found.period)).collect();
         let (printed_n, printed): (Vec<f64>, Vec<f64>) =
             PRINTED.iter().map(|&(across, period)| (across as f64, error(period))).unzip();
         let first: Vec<f64> = n.iter().map(|fine| ours[0] * n[0] / fine).collect();
-        Plot {
-            title: "b  error of the period".into(),
-            x: Ruler::logarithmic("particles across"),
-            y: Ruler::logarithmic("relative error"),
-            traces: vec![
-                Trace::new("GilleSPH", &n, &ours, Style::Line, BLACK),
-                Trace::new("", &n, &ours, Style::Points, BLACK),
-                Trace::new("Jacob et al. 2021", &printed_n, &printed, Style::Points, palette(7)),
-                Trace::new("first order", &n, &first, Style::Dashed, GREY),
-            ],
-        }
+        vec![
+            Trace::new("GilleSPH", &n, &ours, Style::Line, BLACK),
+            Trace::new("", &n, &ours, Style::Points, BLACK),
+            Trace::new("Jacob et al. 2021", &printed_n, &printed, Style::Points, palette(1)),
+            Trace::new("first order", &n, &first, Style::Dashed, GREY),
+        ]
     }
+}
+
+fn columns(name: &str, found: &Swing) -> Curves {
+    let of = [("t", &found.times), ("deflection", &found.deflections), ("energy", &found.energies)];
+    Curves::new(name, of.map(|(name, values)| (name, values.clone())))
+}
+
+/// Lines through every third row of particles, mm.
+fn rows(bent: &[[f64; 4]]) -> Vec<Trace> {
+    let mut levels: Vec<f64> = bent.iter().map(|p| p[3]).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    let last = levels.len().saturating_sub(1);
+    let chosen = levels.iter().enumerate().filter(|(k, _)| k % 3 == 0 || *k == last);
+    chosen
+        .map(|(_, level)| {
+            let mut row: Vec<&[f64; 4]> = bent.iter().filter(|p| (p[3] - level).abs() < 1e-9).collect();
+            row.sort_by(|a, b| a[2].total_cmp(&b[2]));
+            let along = |k: usize| row.iter().map(|p| 1e3 * p[k]).collect::<Vec<f64>>();
+            Trace::new("", &along(0), &along(1), Style::Line, BLACK)
+        })
+        .collect()
 }

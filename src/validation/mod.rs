@@ -173,7 +173,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "fsi_rod",
-        what: "a soft rod bends in the stream of a micro-channel, against finite elements (--full: coarser and finer)",
+        what: "a soft rod bends in the stream of a micro-channel, against finite elements (--full: finer)",
         run: fsi_rod::rod,
     },
     Case {

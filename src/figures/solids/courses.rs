@@ -22,6 +22,8 @@ const FIRST: [&str; 9] = [
 ];
 /// What says whether to trust the others: told in numbers, not drawn.
 pub const HEALTH: [&str; 4] = ["escapes", "mass_balance", "residual", "time_ratio"];
+/// Relative change that is rounding.
+const ROUNDING: f64 = 1e-9;
 /// Realizations below which a histogram is noise.
 const ENOUGH: usize = 20;
 
@@ -79,7 +81,10 @@ pub fn ends(course: &Course) -> [f64; 5] {
     let end = course.end();
     let every = || course.values.iter().flatten().copied().filter(|v| v.is_finite());
     let (low, high) = (every().fold(f64::INFINITY, f64::min), every().fold(f64::NEG_INFINITY, f64::max));
+    // What is rounding of the largest is nothing.
+    let least = ROUNDING * low.abs().max(high.abs());
     [mean(&end), quantile(&end, 0.05), quantile(&end, 0.95), low, high]
+        .map(|v| if v.abs() < least { 0.0 } else { v })
 }
 
 /// Measures of a solid against time.
@@ -113,9 +118,10 @@ pub fn points(samples: &Samples) -> Option<Figure> {
     )
 }
 
+/// Whether a course is more than rounding.
 fn varies(course: &Course) -> bool {
-    let mut every = course.values.iter().flatten().filter(|v| v.is_finite());
-    every.next().is_some_and(|first| every.any(|v| v != first))
+    let (low, high) = range(course.values.iter().flatten().copied());
+    high - low > ROUNDING * low.abs().max(high.abs())
 }
 
 fn figure(shown: Vec<(String, &Course)>, finished: u32, (name, title): (&str, String)) -> Option<Figure> {

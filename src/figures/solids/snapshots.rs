@@ -1,5 +1,6 @@
 //! The particles of a solid where they are, coloured by stress or by a species, at several times and one scale.
 
+use super::members;
 use crate::figures::colours::{Colour, PALE, viridis};
 use crate::figures::fields::{bar, concentration};
 use crate::figures::painting::{Bar, Field, colour_bar, spacing};
@@ -26,15 +27,14 @@ struct Window {
 /// Snapshots by stress and by each species that occurs in the solid.
 pub fn snapshots(samples: &Samples, name: &str) -> Vec<Figure> {
     let chosen = chosen(samples);
-    let Some(window) = window(samples, name, &chosen).filter(|_| samples.record.domain.dimensions > 1) else {
+    let own = members(samples, name);
+    let Some(window) = window(samples, &own, &chosen).filter(|_| samples.record.domain.dimensions > 1) else {
         return Vec::new();
     };
     let mut out = Vec::new();
     let of = |value: &dyn Fn(&ParticleFrame, usize) -> f64| -> Vec<Field<'_>> {
-        let own = |frame: &ParticleFrame, i: usize| {
-            if frame.group_name(i) == name { value(frame, i) } else { f64::NAN }
-        };
-        let values = |frame: &ParticleFrame| (0..frame.len()).map(|i| own(frame, i)).collect();
+        let shown = |frame: &ParticleFrame, i: usize| if own[i] { value(frame, i) } else { f64::NAN };
+        let values = |frame: &ParticleFrame| (0..frame.len()).map(|i| shown(frame, i)).collect();
         chosen.iter().map(|frame| Field { frame, values: values(frame) }).collect()
     };
     let occurs = |fields: &[Field<'_>]| fields.iter().flat_map(|f| &f.values).any(|v| *v > 0.0);
@@ -63,17 +63,12 @@ fn chosen(samples: &Samples) -> Vec<&ParticleFrame> {
 }
 
 /// A window that holds the solid at all times, with a little air; in space its middle layer.
-fn window(samples: &Samples, name: &str, frames: &[&ParticleFrame]) -> Option<Window> {
-    let own = || {
-        frames.iter().flat_map(|f| (0..f.len()).filter(|&i| f.group_name(i) == name).map(|i| f.position[i]))
-    };
-    own().next()?;
-    let [x, y, z] = [0, 1, 2].map(|axis| range(own().map(|p| p[axis])));
+fn window(samples: &Samples, own: &[bool], frames: &[&ParticleFrame]) -> Option<Window> {
+    let places = || frames.iter().flat_map(|f| (0..f.len()).filter(|&i| own[i]).map(|i| f.position[i]));
+    places().next()?;
+    let [x, y, z] = [0, 1, 2].map(|axis| range(places().map(|p| p[axis])));
     let frame = frames.first()?;
-    let size = (0..frame.len())
-        .filter(|&i| frame.group_name(i) == name)
-        .map(|i| spacing(samples, frame, i))
-        .fold(0.0, f64::max);
+    let size = (0..frame.len()).filter(|&i| own[i]).map(|i| spacing(samples, frame, i)).fold(0.0, f64::max);
     let air = |ends: (f64, f64)| 0.05 * (ends.1 - ends.0) + size;
     let ends = [x.0 - air(x), x.1 + air(x), y.0 - air(y), y.1 + air(y)];
     Some(Window { ends, middle: 0.5 * (z.0 + z.1) })
@@ -145,9 +140,10 @@ fn discs(
     let frame = field.frame;
     let millimetre = panel.width / (panel.x.high - panel.x.low);
     let space = samples.record.domain.dimensions == 3;
-    let fluid = |i: usize| {
-        let group = frame.group_name(i);
-        samples.record.domain.groups.iter().any(|g| g.name == group && g.material == "fluid")
+    // What waits to be used belongs to no group of the model.
+    let material = |i: usize| {
+        let groups = &samples.record.domain.groups;
+        groups.iter().find(|g| g.name == frame.group_name(i)).map(|g| g.material.as_str())
     };
     for behind in [true, false] {
         for i in (0..frame.len()).filter(|&i| field.values[i].is_nan() == behind) {
@@ -155,11 +151,11 @@ fn discs(
             let size = spacing(samples, frame, i);
             let inside = (panel.x.low + 0.6 * size..=panel.x.high - 0.6 * size).contains(&x)
                 && (panel.y.low + 0.6 * size..=panel.y.high - 0.6 * size).contains(&y);
-            if !inside || (space && (z - middle).abs() > 0.75 * size) {
+            if !inside || material(i).is_none() || (space && (z - middle).abs() > 0.75 * size) {
                 continue;
             }
             let colour = match behind {
-                true if fluid(i) => WATER,
+                true if material(i) == Some("fluid") => WATER,
                 true => PALE,
                 false => (bar.colour)((field.values[i] - bar.low) / (bar.high - bar.low)),
             };

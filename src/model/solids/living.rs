@@ -56,7 +56,7 @@ type Where<'a> = (&'a Group, usize, Mechanics);
 pub(super) fn softening(node: &Node, network: &Network, faults: &mut Faults) -> Option<Softening> {
     let mut fields = Fields::of(node, "softening", faults)?;
     let species = fields.required("by", faults).and_then(|n| species_named(n, network, faults));
-    let factor = fields.required("factor", faults).and_then(|n| n.number(faults));
+    let factor = fields.required("factor", faults).and_then(|n| n.non_negative(Dimension::NONE, faults));
     let at = fields.required("at", faults).and_then(|n| n.positive(Dimension::CONCENTRATION, faults));
     fields.finish(faults);
     Some(Softening { species: species?, factor: factor?, at: at? })
@@ -106,13 +106,13 @@ pub(super) fn growth(
     };
     let insert_at = fields.optional("insert_at").map_or(Some(1.5), |n| {
         let value = n.number(faults)?;
-        if value > 1.1 && value <= 2.5 {
+        if value > 1.1 && value <= 1.8 {
             return Some(value);
         }
         faults.at(
             &n.place,
             format!("particles would be put in at a stretch of {value}"),
-            "give a stretch from 1.1 to 2.5: a wall stretched further leaks",
+            "give a stretch from 1.1 to 1.8: a wall stretched further leaks",
         );
         None
     });

@@ -54,6 +54,16 @@ fn point(name: &str, node: &Node, domain: &ParticleDomain, faults: &mut Faults) 
     let place = at.and_then(|n| n.vector(Dimension::LENGTH, domain.dimensions, faults));
     fields.finish(faults);
     let (group, place) = (group?, pad(&place?));
+    if domain.solids.iter().any(|solid| solid.group == group && solid.growth.is_some()) {
+        faults.at(
+            &node.place,
+            format!(
+                "the point `{name}` is in a wall that grows, whose particles at rest do not stay the same"
+            ),
+            "remove it: length, width and direction of the wall are in the table of probes",
+        );
+        return None;
+    }
     let of = &domain.groups[group];
     // On its surface is in it, up to rounding and the ends of a lattice.
     if !of.unread && of.shape.signed_distance(&place) > 0.5 * of.spacing {
