@@ -114,13 +114,13 @@ groups:
 solids:
   wall:
     density: 1000 kg/m^3
-    youngs_modulus: 5 MPa
+    youngs_modulus: 20 MPa
     poisson_ratio: 0.3
     law: neo_hookean
     placement: layers
     softening: { by: A, factor: 0.1, at: 20 uM }
     turgor: { pressure: 0.5 MPa }
-    growth: { rate: 3e-8 1/Pa/s, yield: 0.4 MPa, by: A, at: 20 uM, insert_at: 1.3, reserve: 600 }
+    growth: { rate: 3e-8 1/Pa/s, yield: 0.4 MPa, by: A, at: 20 uM, insert_at: 1.2, reserve: 600 }
 mechanics: { mode: quasi_static, tolerance: 1e-3 }
 fluid: { method: none }
 initial: { wall: { A: { concentration: 20 uM, deal: poisson } } }

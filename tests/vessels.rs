@@ -25,7 +25,7 @@ solids:
     law: neo_hookean
     placement: layers
     turgor: { pressure: 0.5 MPa }
-    growth: { rate: 5e-8 1/Pa/s, yield: 0.4 MPa, insert_at: 1.3, reserve: 600 }
+    growth: { rate: 2e-8 1/Pa/s, yield: 0.4 MPa, insert_at: 1.3, reserve: 600 }
 mechanics: { mode: quasi_static, tolerance: 1e-4 }
 fluid: { method: none }
 initial: { wall: { A: 5000, B: 5000 } }
