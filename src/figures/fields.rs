@@ -106,7 +106,8 @@ pub fn flow(samples: &Samples) -> Vec<Figure> {
     let value = |i: usize| if fluid(i) { frame.pressure[i] } else { f64::NAN };
     let pressure: Vec<f64> = (0..frame.len().min(frame.pressure.len())).map(value).collect();
     let (low, high) = range(pressure.iter().copied());
-    if pressure.iter().any(|p| p.is_finite() && *p != 0.0) {
+    let flows = samples.record.domain.groups.iter().any(|group| group.material == "fluid");
+    if flows && pressure.iter().any(|p| p.is_finite() && *p != 0.0) {
         let largest = low.abs().max(high.abs());
         let both = low < -0.05 * largest && high > 0.05 * largest;
         let (low, high, colour): (_, _, fn(f64) -> Colour) =

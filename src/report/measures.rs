@@ -4,7 +4,7 @@
 use super::html::table;
 use super::sections::{Check, Verdict};
 use crate::figures::Samples;
-use crate::figures::solids::{courses, ends, names, words};
+use crate::figures::solids::{courses, ends, names, round, words};
 use crate::quantity::readable::{grouped, show, significant};
 
 /// Relative deviation of a solid's mass from what it had and was given.
@@ -28,12 +28,16 @@ pub fn measures(samples: &Samples) -> String {
                     "" | "1" => significant(v, 4),
                     unit => show(v, unit),
                 };
-                let band = if course.values.len() > 1 {
+                let end = course.end();
+                let band = if course.quantity == "direction" && end.len() > 1 {
+                    format!("agreement {}", significant(round(&end).1, 3))
+                } else if course.values.len() > 1 {
                     format!("{} … {}", tell(q05), tell(q95))
                 } else {
                     "–".into()
                 };
-                vec![words(&course.quantity), tell(mean), band, tell(low), tell(high)]
+                let extreme = |v: f64| if v.is_finite() { tell(v) } else { "–".into() };
+                vec![words(&course.quantity), tell(mean), band, extreme(low), extreme(high)]
             })
             .collect();
         let head =

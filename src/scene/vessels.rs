@@ -166,6 +166,25 @@ impl<'p, const D: usize> Scene<'p, D> {
         Ok(())
     }
 
+    /// Brings the walls to balance with what the amounts of a realization make of them at t = 0.
+    ///
+    /// # Errors
+    /// As [`Scene::soften`]; a wall without balance.
+    pub fn soften_at_start(&mut self, amounts: &[f64], species: &[String]) -> Result<(), RunError> {
+        if self.vessels.is_empty() {
+            return Ok(());
+        }
+        self.soften(amounts, species, (0, 0.0))?;
+        for body in &mut self.vessels {
+            let name = &self.plan.solids[body.number].name;
+            if let Err(error) = body.vessel.relax(0.0) {
+                return Err(body.named(error, name));
+            }
+        }
+        self.look();
+        Ok(())
+    }
+
     /// Shows the walls in the snapshot.
     pub(super) fn show_vessels(&mut self) {
         for body in &self.vessels {

@@ -79,6 +79,10 @@ pub fn courses(samples: &Samples, probe: &str) -> Vec<Course> {
 #[must_use]
 pub fn ends(course: &Course) -> [f64; 5] {
     let end = course.end();
+    if course.quantity == "direction" {
+        let (middle, _) = round(&end);
+        return [middle, f64::NAN, f64::NAN, f64::NAN, f64::NAN];
+    }
     let every = || course.values.iter().flatten().copied().filter(|v| v.is_finite());
     let (low, high) = (every().fold(f64::INFINITY, f64::min), every().fold(f64::NEG_INFINITY, f64::max));
     // What is rounding of the largest is nothing.
@@ -87,10 +91,21 @@ pub fn ends(course: &Course) -> [f64; 5] {
         .map(|v| if v.abs() < least { 0.0 } else { v })
 }
 
+/// Mean of angles (rad), atan2 of their mean sine and cosine, and how far they agree: the length of the mean of the unit
+/// vectors, one if all are the same, about 1/√n if they are anything.
+#[must_use]
+pub fn round(angles: &[f64]) -> (f64, f64) {
+    let n = angles.len().max(1) as f64;
+    let (sine, cosine) = angles.iter().fold((0.0, 0.0), |(s, c), a| (s + a.sin() / n, c + a.cos() / n));
+    (sine.atan2(cosine), sine.hypot(cosine))
+}
+
 /// Measures of a solid against time.
 pub fn course(samples: &Samples, name: &str) -> Option<Figure> {
     let courses = courses(samples, name);
-    let shown = courses.iter().filter(|c| !HEALTH.contains(&c.quantity.as_str()) && varies(c));
+    // A mean and a band of angles are not those of numbers; their distribution has a figure.
+    let told = |c: &&Course| c.quantity != "direction" || c.values.len() == 1;
+    let shown = courses.iter().filter(|c| !HEALTH.contains(&c.quantity.as_str()) && varies(c)).filter(told);
     let title = format!("Course of {name}");
     figure(
         shown.map(|c| (super::words(&c.quantity), c)).collect(),
@@ -197,12 +212,12 @@ pub fn distributions(samples: &Samples, name: &str) -> Option<Figure> {
             let ([x0, y0], [x1, y1]) = (p.at(low, f64::from(count)), p.at(high, 0.0));
             d.rectangle([x0, y0], [x1 - x0, y1 - y0], PALETTE[0].faint(0.6));
         }
-        let middle = mean(end);
+        let middle = if course.quantity == "direction" { round(end).0 } else { mean(end) };
         d.line(&[p.at(middle, p.y.low), p.at(middle, p.y.high)], 0.3, BLACK);
         p.axes(&mut d, &super::words(&course.quantity));
     }
     let caption = format!(
-        "Across {} realizations at the end; line: mean. Sample sd of the length over its mean: {}.",
+        "Across {} realizations at the end; line: mean, of angles that of their unit vectors. Sample sd of the length over its mean: {}.",
         all.iter().map(|(_, end)| end.len()).max()?,
         all.iter().find(|(c, _)| c.quantity == "length").map_or_else(
             || "–".into(),
@@ -216,4 +231,17 @@ pub fn distributions(samples: &Samples, name: &str) -> Option<Figure> {
         drawing: d,
         raster: false,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_on_both_sides_of_half_a_turn_meet_there() {
+        let (middle, agree) = round(&[3.0, -3.0]);
+        // By hand: the mean unit vector is (cos 3, 0).
+        assert!((middle.abs() - std::f64::consts::PI).abs() < 1e-12 && (agree + 3.0_f64.cos()).abs() < 1e-12);
+        assert!(round(&[0.0, 0.5 * std::f64::consts::TAU]).1 < 1e-12);
+    }
 }

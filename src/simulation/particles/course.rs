@@ -168,6 +168,12 @@ impl<const D: usize> Course<'_, '_, D> {
             }
             None => {
                 way.crew.members = begin();
+                if let Some(first) = way.crew.members.first() {
+                    let (amounts, species) = (&first.state.amounts, &self.plan.reactor.species);
+                    if let Err(found) = self.scene.soften_at_start(amounts, species) {
+                        return Ok(self.failed(found, way));
+                    }
+                }
                 Point::default()
             }
         };
