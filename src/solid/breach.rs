@@ -5,11 +5,29 @@ use crate::space::matrix::Matrix;
 use crate::vector::Vector;
 
 impl<const D: usize> Wall<D> {
-    /// Edges of the mesh longer than `widest` (m): what is as small as a particle could slip through.
-    #[must_use]
-    pub fn gaps(&self, nodes: &[Vector<D>], widest: f64) -> usize {
-        let long = |[a, b]: &[u32; 2]| (nodes[*a as usize] - nodes[*b as usize]).norm() > widest;
-        self.edges().iter().filter(|edge| long(edge)).count()
+    /// Every edge of the mesh and how far it is stretched: its length over the longest at the start, at the inner surface,
+    /// the middle or the outer surface, wherever that is most. `start`: longest edges of the three at the start, m.
+    pub fn stretched(
+        &self,
+        at: impl Fn(usize) -> Vector<D>,
+        start: &[f64; 3],
+    ) -> impl Iterator<Item = ([u32; 2], f64)> {
+        let surfaces = [self.inner(&at), self.middle(&at), self.outer(&at)];
+        let start = *start;
+        self.edges().into_iter().map(move |edge| {
+            let [a, b] = edge.map(|node| node as usize);
+            let over = surfaces.iter().zip(start).map(|(nodes, start)| (nodes[a] - nodes[b]).norm() / start);
+            (edge, over.fold(0.0, f64::max))
+        })
+    }
+
+    /// Longest edges of the inner surface, the middle and the outer surface, m.
+    pub fn longest_edges(&self, at: impl Fn(usize) -> Vector<D>) -> [f64; 3] {
+        let edges = self.edges();
+        [self.inner(&at), self.middle(&at), self.outer(&at)].map(|nodes| {
+            let length = |[a, b]: &[u32; 2]| (nodes[*a as usize] - nodes[*b as usize]).norm();
+            edges.iter().map(length).fold(0.0, f64::max)
+        })
     }
 
     /// How many edges of a surface pass through faces of it that they do not touch.

@@ -106,31 +106,29 @@ impl<const D: usize> Present<D> {
         births
     }
 
-    /// Splits all edges longer than `longest` (m), the longest first; no more than `capacity` columns.
+    /// Splits all edges stretched by more than a factor, those stretched most first; `start` as of [`Wall::stretched`]; no
+    /// more than `capacity` columns.
     ///
     /// # Errors
     /// [`RunError::BlowUp`] when the reserve of columns is used up.
     pub fn refine(
         &mut self,
         wall: &mut Wall<D>,
-        longest: f64,
+        (most, start): (f64, &[f64; 3]),
         capacity: usize,
         density: f64,
         time: f64,
     ) -> Result<Vec<Birth>, RunError> {
         let mut births = Vec::new();
         loop {
-            let nodes = wall.middle(|i| self.places[i]);
-            let length = |edge: &[u32; 2]| (nodes[edge[0] as usize] - nodes[edge[1] as usize]).norm();
-            let edges = wall.edges();
-            let Some(edge) = edges.iter().max_by(|a, b| length(a).total_cmp(&length(b))).copied() else {
-                break;
-            };
-            if length(&edge) <= longest {
+            let stretched = wall.stretched(|i| self.places[i], start);
+            let Some((edge, stretch)) = stretched.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            if stretch <= most {
                 break;
             }
             if wall.columns >= capacity {
-                return Err(used_up(&nodes[edge[0] as usize], wall, length(&edge) / longest, time));
+                let nodes = wall.middle(|i| self.places[i]);
+                return Err(used_up(&nodes[edge[0] as usize], wall, stretch / most, time));
             }
             births.extend(self.split(wall, edge));
             for i in self.volumes.len() - wall.layers..self.volumes.len() {

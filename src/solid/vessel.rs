@@ -60,8 +60,9 @@ pub struct Vessel<const D: usize> {
     kernel: KernelKind,
     support: f64,
     domain: Domain<D>,
-    /// At the start: volume inside (m^D), longest edge (m), mass (kg per unit thickness), columns.
-    start: (f64, f64, f64, usize),
+    /// At the start: volume inside (m^D), longest edges of the inner surface, middle and outer surface (m), mass (kg per
+    /// unit thickness), columns.
+    start: (f64, [f64; 3], f64, usize),
     /// Deformation before the present state of rest.
     before: Vec<Matrix<D>>,
     delivered: f64,
@@ -87,7 +88,7 @@ impl<const D: usize> Vessel<D> {
         let mut solid = Elastic::new(setup)?;
         solid.consist(&wall.skin(&solid.places, &solid.volumes));
         let inside = volume(&wall.inner(|i| solid.position(i)), &wall.faces);
-        let edge = longest(&wall, &wall.middle(|i| solid.position(i)));
+        let edge = wall.longest_edges(|i| solid.position(i));
         let mass = (0..solid.len()).map(|i| solid.mass(i)).sum();
         Ok(Vessel {
             start: (inside, edge, mass, wall.columns),
@@ -250,14 +251,20 @@ impl<const D: usize> Vessel<D> {
     /// [`RunError::BlowUp`] when the reserve is used up; as [`Vessel::relax`].
     pub fn insert(&mut self) -> Result<Vec<Birth>, RunError> {
         let Some(growth) = self.growth else { return Ok(Vec::new()) };
-        let most = growth.insert_at * self.start.1;
-        if longest(&self.wall, &self.wall.middle(|i| self.solid.position(i))) <= most {
+        let at = |i| self.solid.position(i);
+        if self.wall.stretched(at, &self.start.1).all(|(_, stretch)| stretch <= growth.insert_at) {
             return Ok(Vec::new());
         }
         let mut present = Present::new(&self.solid, &self.before);
         let capacity = self.start.3 + growth.reserve;
         let density = self.solid.material.density;
-        let births = present.refine(&mut self.wall, most, capacity, density, self.time)?;
+        let births = present.refine(
+            &mut self.wall,
+            (growth.insert_at, &self.start.1),
+            capacity,
+            density,
+            self.time,
+        )?;
         let bonds = self.bonds(&present.places, &present.volumes)?;
         self.before = std::mem::take(&mut present.gradients);
         let skin = self.wall.skin(&present.places, &present.volumes);
@@ -269,12 +276,10 @@ impl<const D: usize> Vessel<D> {
 
     /// Bonds whose reach follows the longest edge of each column.
     fn bonds(&self, places: &[Vector<D>], volumes: &[f64]) -> Result<Bonds<D>, RunError> {
-        let nodes = self.wall.middle(|i| places[i]);
         let mut wide = vec![1.0_f64; self.wall.columns];
-        for [a, b] in self.wall.edges() {
-            let length = (nodes[a as usize] - nodes[b as usize]).norm() / self.start.1;
-            for end in [a, b] {
-                wide[end as usize] = wide[end as usize].max(length);
+        for (edge, stretch) in self.wall.stretched(|i| places[i], &self.start.1) {
+            for end in edge {
+                wide[end as usize] = wide[end as usize].max(stretch);
             }
         }
         let widest = wide.iter().copied().fold(1.0, f64::max) * self.support;
@@ -339,11 +344,8 @@ impl<const D: usize> Vessel<D> {
     #[must_use]
     pub fn escapes(&self) -> usize {
         let at = |i| self.solid.position(i);
-        let widest = GAP * self.start.1;
-        [self.wall.inner(at), self.wall.outer(at)]
-            .iter()
-            .map(|nodes| self.wall.gaps(nodes, widest) + self.wall.crossings(nodes))
-            .sum()
+        let gaps = self.wall.stretched(at, &self.start.1).filter(|(_, stretch)| *stretch > GAP).count();
+        gaps + self.wall.crossings(&self.wall.inner(at)) + self.wall.crossings(&self.wall.outer(at))
     }
 
     /// The shape of the outer surface.
@@ -351,10 +353,6 @@ impl<const D: usize> Vessel<D> {
     pub fn outline(&self) -> Outline<D> {
         Outline::new(&self.wall, &self.wall.outer(|i| self.solid.position(i)))
     }
-}
-
-fn longest<const D: usize>(wall: &Wall<D>, nodes: &[Vector<D>]) -> f64 {
-    wall.edges().iter().map(|&[a, b]| (nodes[a as usize] - nodes[b as usize]).norm()).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
