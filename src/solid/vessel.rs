@@ -335,15 +335,13 @@ impl<const D: usize> Vessel<D> {
         inner.iter().zip(&outer).map(|(a, b)| (a - b).norm()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Gaps in the inner and outer surface and places where they cross themselves.
+    /// Ways out: gaps between columns, at the middle of the wall (at a tip its outer side is naturally farther apart), and
+    /// places where the inner or outer surface crosses itself.
     #[must_use]
     pub fn escapes(&self) -> usize {
         let at = |i| self.solid.position(i);
-        let widest = GAP * self.start.1;
-        [self.wall.inner(at), self.wall.outer(at)]
-            .iter()
-            .map(|nodes| self.wall.gaps(nodes, widest) + self.wall.crossings(nodes))
-            .sum()
+        let gaps = self.wall.gaps(&self.wall.middle(at), GAP * self.start.1);
+        gaps + self.wall.crossings(&self.wall.inner(at)) + self.wall.crossings(&self.wall.outer(at))
     }
 
     /// The shape of the outer surface.
