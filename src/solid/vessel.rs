@@ -340,7 +340,8 @@ impl<const D: usize> Vessel<D> {
         inner.iter().zip(&outer).map(|(a, b)| (a - b).norm()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Gaps in the inner and outer surface and places where they cross themselves.
+    /// Ways out: gaps between columns, at the inner side, the middle or the outer side of the wall, and places where the inner
+    /// or outer surface crosses itself.
     #[must_use]
     pub fn escapes(&self) -> usize {
         let at = |i| self.solid.position(i);
