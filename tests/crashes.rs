@@ -137,7 +137,7 @@ fn what_has_changed_is_named_and_a_running_folder_is_refused() {
     let version = env!("CARGO_PKG_VERSION");
     let (now, then) = (format!("\"version\": \"{version}\""), "\"version\": \"0.0.9\"");
     assert!(text.contains(&now));
-    std::fs::write(&path, text.replace(&now, then).replace("\"format\": 1", "\"format\": 99")).unwrap();
+    std::fs::write(&path, text.replace(&now, then).replace("\"format\": ", "\"format\": 9")).unwrap();
     let message = resume(&[]);
     assert!(message.contains("format") && message.contains("0.0.9"), "{message}");
     std::fs::write(&path, text.replace(&now, then)).unwrap();
