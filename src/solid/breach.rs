@@ -79,11 +79,19 @@ mod tests {
     fn found<const D: usize>() {
         let built = Wall::<D>::round(&Vector::zeros(), 0.8, 1.2, 0.1);
         let mut nodes = built.wall.middle(|i| built.places[i]);
-        assert_eq!((built.wall.crossings(&nodes), built.wall.gaps(&nodes, 0.2)), (0, 0));
+        let start = built.wall.longest_edges(|i| built.places[i]);
+        let gaps = |places: &[Vector<D>]| {
+            built.wall.stretched(|i| places[i], &start).filter(|(_, stretch)| *stretch > 2.0).count()
+        };
+        assert_eq!((built.wall.crossings(&nodes), gaps(&built.places)), (0, 0));
         let right = (0..nodes.len()).max_by(|&a, &b| nodes[a][0].total_cmp(&nodes[b][0])).unwrap();
         // One node through the other side.
         nodes[right] *= -1.5;
-        assert!(built.wall.crossings(&nodes) >= D && built.wall.gaps(&nodes, 0.2) >= D);
+        let mut places = built.places.clone();
+        for layer in 0..built.wall.layers {
+            places[built.wall.particle(right, layer)] *= -1.5;
+        }
+        assert!(built.wall.crossings(&nodes) >= D && gaps(&places) >= D);
     }
 
     #[test]
