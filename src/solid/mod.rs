@@ -8,7 +8,7 @@
 //! | `consistent` | gradients that balance constant stress with its traction, conservative hourglass control |
 //! | [`limit`] | its fastest mode and the longest stable step |
 //! | [`measure`] | momentum, energy, stress |
-//! | [`relax`] | equilibrium without motion |
+//! | [`relax`], `unbalanced` | equilibrium without motion; why there is none |
 //! | [`shell`], [`surface`] | closed walls column by column; their surfaces and the volume inside |
 //! | [`turgor`] | the pressure of what a wall encloses |
 //! | [`recover`] | stress of a wall by a fit over neighbours |
@@ -41,6 +41,7 @@ pub mod state;
 mod step;
 pub mod surface;
 pub mod turgor;
+mod unbalanced;
 pub mod vessel;
 
 pub use elastic::{Elastic, Hold, Options, Setup};

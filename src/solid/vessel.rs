@@ -31,6 +31,8 @@ pub struct Growth {
 const MOST: f64 = 0.02;
 /// Edges that long, in edges at the start, are gaps.
 const GAP: f64 = 2.0;
+/// Negative turgor that is rounding, over pressure and stiffness.
+const SUCTION: f64 = 1e-6;
 
 /// What must be kept of a vessel to go on with it later, to the bit; what follows from it is left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -159,19 +161,34 @@ impl<const D: usize> Vessel<D> {
     }
 
     /// From one equilibrium to the next, `dt` (s) later: with the softness of now the wall relaxes, grows (particle i at
-    /// φ = `phi[i]`, 1/(Pa s)) and gets new columns; who gave what to whom, in order.
+    /// φ = `phi[i]`, 1/(Pa s)) and gets new columns, step of growth by step of growth; who gave what to whom, in order. A new
+    /// particle grows at the mean φ of its donors.
     ///
     /// # Errors
     /// As [`Vessel::relax`] and [`Vessel::insert`].
     pub fn advance(&mut self, dt: f64, phi: &[f64]) -> Result<Vec<Birth>, RunError> {
         let end = self.time + dt;
+        let mut births = Vec::new();
         self.solid.renew()?;
         if self.growth.is_some() && phi.iter().any(|&phi| phi > 0.0) {
             self.relax(self.time)?;
-            self.grow(dt, phi)?;
+            let (mut phi, mut left) = (phi.to_vec(), dt);
+            while left > 1e-9 * dt {
+                left -= self.grow(left, &phi)?;
+                let new = self.insert()?;
+                // Where two halves of a face meet both ends gave as much matter, so it holds the mean of their species.
+                phi.extend(
+                    new.iter()
+                        .map(|birth| birth.donors)
+                        .map(|[a, b]| 0.5 * (phi[a.0] + phi[b.0]))
+                        .collect::<Vec<_>>(),
+                );
+                births.extend(new);
+            }
         }
         self.relax(end)?;
-        self.insert()
+        births.extend(self.insert()?);
+        Ok(births)
     }
 
     /// Brings the wall to equilibrium with the turgor of time `t` (s).
@@ -183,50 +200,67 @@ impl<const D: usize> Vessel<D> {
         let inside = &mut self.inside;
         self.time = t;
         self.solid.time = t;
-        let before = self.last.period;
+        let slowest = self.last.period;
         self.last = self.solid.relax(&self.relaxation, &mut self.step, |solid| {
             *inside = turgor.load(solid, wall, t, start);
         })?;
-        // What was in balance already did not move.
-        if self.last.period == 0.0 {
-            self.last.period = before;
+        // What took less time than the slowest mode known says nothing of that one.
+        if self.last.lasted < slowest {
+            self.last.period = self.last.period.max(slowest);
+        }
+        if self.inside.pressure < -SUCTION * (turgor.pressure + turgor.stiffness) {
+            return Err(self.sucks());
         }
         Ok(self.last)
     }
 
-    /// Grows from the present equilibrium over `dt` (s) to the next, particle i at φ = `phi[i]` (1/(Pa s)): midpoint
-    /// steps, as many as keep each step small.
+    /// The turgor has fallen below zero.
+    fn sucks(&self) -> RunError {
+        let at = self.solid.position(0);
+        let place: Vec<String> = at.iter().map(|x| format!("{x:.4e}")).collect();
+        RunError::BlowUp {
+            step: 0,
+            time: self.time,
+            particle: 0,
+            quantity: format!(
+                "the wall at ({}) m holds more than its liquid fills, {:.4} times the volume at the start: pressure inside in Pa",
+                place.join(", "),
+                self.inside.volume / self.start.0
+            ),
+            value: self.inside.pressure,
+            remedy: "a turgor is no suction: less turgor.stiffness (0: water follows) or growth, or more turgor.pressure".into(),
+        }
+    }
+
+    /// Grows from the present equilibrium to the next, particle i at φ = `phi[i]` (1/(Pa s)), in one midpoint step that is
+    /// small, of at most `most` (s); how long it was, s.
     ///
     /// # Errors
     /// As [`Vessel::relax`].
-    pub fn grow(&mut self, dt: f64, phi: &[f64]) -> Result<(), RunError> {
-        let Some(growth) = self.growth else { return Ok(()) };
-        let mut left = dt;
-        while left > 1e-9 * dt {
-            let rates = self.rates(&growth, phi);
-            let fastest = rates.iter().map(Rates::sum).fold(0.0, f64::max);
-            if fastest == 0.0 {
-                self.time += left;
-                return Ok(());
-            }
-            // Growth relaxes differences of stress at the rate φ E/(1 - ν²): explicit steps must follow that.
-            let parts = (left * (fastest / MOST).max(self.maxwell(&rates, phi))).ceil().max(1.0);
-            let (step, t) = (left / parts, self.time);
-            let before = self.solid.growth.clone();
-            self.solid.grow(&rates, 0.5 * step);
-            self.solid.strain()?;
-            self.solid.pull();
-            self.relax(t + 0.5 * step)?;
-            let rates = self.rates(&growth, phi);
-            self.solid.growth = before;
-            self.solid.strain()?;
-            self.delivered += self.solid.grow(&rates, step);
-            self.solid.strain()?;
-            self.solid.pull();
-            self.relax(t + step)?;
-            left -= step;
+    pub fn grow(&mut self, most: f64, phi: &[f64]) -> Result<f64, RunError> {
+        let Some(growth) = self.growth else { return Ok(most) };
+        let rates = self.rates(&growth, phi);
+        let fastest = rates.iter().map(Rates::sum).fold(0.0, f64::max);
+        if fastest == 0.0 {
+            self.time += most;
+            return Ok(most);
         }
-        Ok(())
+        // Growth relaxes differences of stress at the rate φ E/(1 - ν²): explicit steps must follow that.
+        let parts = (most * (fastest / MOST).max(self.maxwell(&rates, phi))).ceil().max(1.0);
+        let (step, t) = (most / parts, self.time);
+        let before = self.solid.growth.clone();
+        self.solid.grow(&rates, 0.5 * step);
+        self.solid.strain()?;
+        self.solid.pull();
+        self.relax(t + 0.5 * step)?;
+        let rates = self.rates(&growth, phi);
+        self.solid.growth = before;
+        self.solid.strain()?;
+        self.delivered += self.solid.grow(&rates, step);
+        self.solid.strain()?;
+        self.solid.pull();
+        self.relax(t + step)?;
+        Ok(step)
     }
 
     /// Rate at which growth relaxes stress, where it is fastest, 1/s.
