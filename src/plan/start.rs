@@ -10,6 +10,7 @@ use crate::model::conditions::What;
 use crate::model::{Amount, Deal, Domain, Initial, Material};
 use crate::quantity::readable::show_vector;
 use crate::random::{Purpose, stream};
+use crate::solid::Birth;
 use crate::vector::Vector;
 
 /// Voxels as they are at an instant, one entry each.
@@ -68,6 +69,43 @@ impl Start {
             amounts[index as usize] += mean;
         }
         amounts
+    }
+}
+
+impl Start {
+    /// Takes in particles that came into being, in order: what is held in both donors is held in them too, a
+    /// concentration at the mean of theirs, while a number of molecules is shared out.
+    pub fn bear(&mut self, births: &[Birth], species: usize) {
+        if !self.held.contains(&true) {
+            return;
+        }
+        for birth in births {
+            let donors = birth.donors.map(|(donor, _)| donor);
+            for s in 0..species {
+                if donors.iter().all(|donor| self.held[donor * species + s]) {
+                    self.held[birth.particle * species + s] = true;
+                }
+            }
+            let both = |voxels: &[u32]| -> Option<[usize; 2]> {
+                let [a, b] = donors.map(|donor| voxels.iter().position(|&voxel| voxel as usize == donor));
+                Some([a?, b?])
+            };
+            for held in &mut self.held_in_solids {
+                let Some([a, b]) = both(&held.voxels) else { continue };
+                held.voxels.push(birth.particle as u32);
+                held.concentrations.push(0.5 * (held.concentrations[a] + held.concentrations[b]));
+            }
+            for (_, voxels, means) in &mut self.held_poisson {
+                let Some(ends) = both(voxels) else { continue };
+                let mut given = 0.0;
+                for (end, (_, part)) in ends.into_iter().zip(birth.donors) {
+                    given += part * means[end];
+                    means[end] *= 1.0 - part;
+                }
+                voxels.push(birth.particle as u32);
+                means.push(given);
+            }
+        }
     }
 }
 
@@ -325,5 +363,38 @@ pub fn check(plan: &Plan, faults: &mut Vec<Fault>) {
                 ));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_born_of_held_particles_is_held() {
+        // Species 1 is held in particles 0, 1 and 2, in 0 and 1 as a Poisson number.
+        let mut start = Start {
+            held: vec![false, true, false, true, false, true, false, false, false, false],
+            held_poisson: vec![(1, vec![0, 1], vec![8.0, 4.0])],
+            held_in_solids: vec![HeldConcentration {
+                species: 1,
+                voxels: vec![1, 2],
+                concentrations: vec![1.0, 3.0],
+                poisson: false,
+            }],
+            ..Start::default()
+        };
+        let birth = |particle, a, b| Birth { particle, donors: [(a, 0.25), (b, 0.5)] };
+        start.bear(&[birth(3, 0, 1), birth(4, 2, 3)], 2);
+        assert_eq!(start.held[6..], [false, true, false, true]);
+        // The second is born of one that is dealt Poisson and one that is not.
+        assert_eq!(start.held_poisson, [(1, vec![0, 1, 3], vec![6.0, 2.0, 4.0])]);
+        assert_eq!(start.held_in_solids[0].voxels, [1, 2]);
+        start.bear(&[birth(4, 1, 2)], 2);
+        let held = &start.held_in_solids[0];
+        assert_eq!(
+            (held.voxels.as_slice(), held.concentrations.as_slice()),
+            (&[1, 2, 4][..], &[1.0, 3.0, 2.0][..])
+        );
     }
 }

@@ -19,7 +19,9 @@ pub struct VesselBody<const D: usize> {
     /// φ of each particle, 1/(Pa s).
     phi: Vec<f64>,
     course: Course,
-    /// The last balance over the last step.
+    /// All births so far, numbered as the particles of the plan.
+    born: Vec<Birth>,
+    /// The period of the slowest mode of the last balance over the last step.
     pub time_ratio: f64,
 }
 
@@ -38,6 +40,7 @@ pub struct VesselImage<const D: usize> {
     vessel: VesselState<D>,
     phi: Vec<f64>,
     course: Course,
+    born: Vec<Birth>,
     time_ratio: f64,
 }
 
@@ -58,6 +61,7 @@ impl<const D: usize> VesselBody<D> {
                 vessel.relaxation,
             )?,
             course: Course { largest_stretch: 1.0, ..Course::default() },
+            born: Vec::new(),
             time_ratio: 0.0,
         };
         body.vessel.relax(0.0).map_err(|error| body.named(error, &plan.name))?;
@@ -75,6 +79,7 @@ impl<const D: usize> VesselBody<D> {
             vessel: self.vessel.image(),
             phi: self.phi.clone(),
             course: self.course,
+            born: self.born.clone(),
             time_ratio: self.time_ratio,
         }
     }
@@ -82,6 +87,7 @@ impl<const D: usize> VesselBody<D> {
     fn restore(&mut self, image: VesselImage<D>) -> Option<()> {
         self.vessel.restore(image.vessel)?;
         (self.phi, self.course, self.time_ratio) = (image.phi, image.course, image.time_ratio);
+        self.born = image.born;
         (self.phi.len() == self.vessel.solid.len()).then_some(())
     }
 
@@ -97,7 +103,9 @@ impl<const D: usize> VesselBody<D> {
             particle: birth.particle + self.first,
             donors: birth.donors.map(|(donor, part)| (donor + self.first, part)),
         };
-        Ok(births.into_iter().map(number).collect())
+        let births: Vec<Birth> = births.into_iter().map(number).collect();
+        self.born.extend(&births);
+        Ok(births)
     }
 
     /// Numbers an error as the particles of the plan are numbered, and says which solid it is.
@@ -143,6 +151,11 @@ impl<'p, const D: usize> Scene<'p, D> {
     #[must_use]
     pub fn vessel(&self, number: usize) -> Option<&VesselBody<D>> {
         self.vessels.iter().find(|body| body.number == number)
+    }
+
+    /// All births so far, wall by wall.
+    pub fn born(&self) -> impl Iterator<Item = &[Birth]> {
+        self.vessels.iter().map(|body| body.born.as_slice())
     }
 
     /// Walls in balance know no step of their own: one for each chemistry step, of at most `until` (s).

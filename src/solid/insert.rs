@@ -15,7 +15,7 @@ use crate::space::matrix::{Matrix, determinant};
 use crate::vector::Vector;
 
 /// A particle that came into being, and what its two donors gave: parts of all they hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Birth {
     pub particle: usize,
     pub donors: [(usize, f64); 2],

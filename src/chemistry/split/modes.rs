@@ -58,6 +58,13 @@ impl Modes {
         self.mode.get(voxel).copied().unwrap_or(0)
     }
 
+    /// A voxel that comes into being carries the species of `bit` as real amounts.
+    pub(in crate::chemistry) fn flow_in(&mut self, voxel: usize, bit: u8) {
+        if let Some(mode) = self.mode.get_mut(voxel) {
+            *mode |= bit;
+        }
+    }
+
     /// Molecules of species `s` that rounding left over.
     #[must_use]
     pub fn left_over(&self, s: usize) -> f64 {

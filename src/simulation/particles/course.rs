@@ -18,6 +18,7 @@ use crate::simulation::states::{decode, foreign, save};
 use crate::simulation::{FlowTally, Watch};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// Values that realizations on one flow may hold together before they hand over pieces: 64 MB.
@@ -178,7 +179,13 @@ impl<const D: usize> Course<'_, '_, D> {
             }
         };
         let mut tape = Tape::new(&mut self, &from, recorded)?;
-        let mut frozen = freeze(self.plan, &self.scene, self.start)?;
+        // With what was born since.
+        let mut start = Cow::Borrowed(self.start);
+        let species = self.plan.reactor.species_count();
+        for births in self.scene.born().filter(|births| !births.is_empty()) {
+            start.to_mut().bear(births, species);
+        }
+        let mut frozen = freeze(self.plan, &self.scene, &start)?;
         let mut reservoirs = Reservoirs::new(self.plan, &self.scene);
         let (mut patience, mut saved_at) = (self.keep.patience(), Instant::now());
         let piece = (TOGETHER / way.crew.members.len().max(1)).clamp(1 << 10, PIECE);
@@ -187,7 +194,7 @@ impl<const D: usize> Course<'_, '_, D> {
             let first = if i == from.interval { from.ticks } else { 0 };
             for k in first..interval.ticks {
                 let (time, half) = (interval.time(k), 0.5 * tick);
-                let (plan, start) = (self.plan, self.start);
+                let plan = self.plan;
                 let mut at = Point { interval: i, ticks: k, begun: false, fluid_steps: 0 };
                 if at.reaches(&from) {
                     at = from;
@@ -212,7 +219,8 @@ impl<const D: usize> Course<'_, '_, D> {
                     let chemistry = Instant::now();
                     if !at.begun {
                         at.begun = true;
-                        let before = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
+                        let (frozen, reservoirs) = (&frozen, &reservoirs);
+                        let before = Surroundings { plan, frozen, reservoirs, start: &start };
                         way.crew.advance(|one| one.before_motion(&before, time, half));
                         let lifted = way.crew.members.first().filter(|_| !self.scene.plan.lifts.is_empty());
                         if let Some(first) = lifted {
@@ -251,15 +259,18 @@ impl<const D: usize> Course<'_, '_, D> {
                     recorder.push(&shot(&self.scene))?;
                 }
                 let chemistry = Instant::now();
-                match freeze(plan, &self.scene, start) {
+                if !self.scene.births.is_empty() {
+                    start.to_mut().bear(&self.scene.births, species);
+                }
+                match freeze(plan, &self.scene, &start) {
                     Ok(found) => frozen = found,
                     Err(found) => return Ok(self.failed(found, way)),
                 }
                 reservoirs = Reservoirs::new(plan, &self.scene);
-                let after = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start };
+                let after = Surroundings { plan, frozen: &frozen, reservoirs: &reservoirs, start: &start };
                 let exchange = Exchange::new(plan, &self.scene);
                 way.crew.advance(|one| {
-                    one.cross(plan, start, &exchange);
+                    one.cross(plan, &start, &exchange);
                     one.after_motion(&after, time + half, half)
                 });
                 way.course.chemistry_seconds += chemistry.elapsed().as_secs_f64();
