@@ -1,7 +1,7 @@
 //! Runs that are killed at random moments, as by a power cut or the kernel: each is taken up again, and again, until it
 //! ends, and its tables are those of a run that was left alone, to the byte.
 //!
-//! `GILLESPH_KILLS` says how many kills there are to be (12 if it is not set); 200 are one command:
+//! `GILLESPH_KILLS` says how many kills there are to be (14 if it is not set); 200 are one command:
 //! `GILLESPH_KILLS=200 cargo test --release --test kills -- --nocapture`.
 
 use rand::Rng;
@@ -223,20 +223,31 @@ fn killed(case: &Case, model: &str, kills: u32, random: &mut Xoshiro256PlusPlus)
 #[test]
 #[cfg(unix)]
 fn what_was_killed_is_resumed_to_the_same_bytes() {
-    let kills: u32 = std::env::var("GILLESPH_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
+    let kills: u32 = std::env::var("GILLESPH_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(14);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(20);
     let noisy = CHANNEL.replacen(NOISE.0, NOISE.1, 1).replacen("until: 600 us", "until: 100 us", 1);
+    // The same bar, its stress integrated in time.
+    let jaumann = [
+        "    viscosity: 1e-5 Pa s\n    law: neo_hookean\n",
+        "    softening: { by: A, factor: 0.2, at: 2 uM }\n",
+    ]
+    .iter()
+    .fold(SOLID.to_string(), |text, gone| text.replacen(gone, "", 1))
+    .replacen("    drag:", "    method: jaumann\n    drag:", 1)
+    .replacen("1000 s^-1 * x", "100 s^-1 * x", 1);
     let cases = [
         ("volume", VOLUME, "2"),
         ("graph", GRAPH, "1"),
         ("channel", CHANNEL, "2"),
         ("noise", noisy.as_str(), "2"),
         ("solid", SOLID, "2"),
+        ("jaumann", jaumann.as_str(), "2"),
         ("vessel", VESSEL, "2"),
     ];
+    let count = cases.len() as u32;
     for (k, (name, model, threads)) in cases.into_iter().enumerate() {
         let case = Case { folder: TempDir::new().unwrap(), name, threads };
-        let share = kills / 6 + u32::from((k as u32) < kills % 6);
+        let share = kills / count + u32::from((k as u32) < kills % count);
         killed(&case, model, share, &mut random);
     }
 }

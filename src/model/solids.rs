@@ -1,9 +1,11 @@
 //! The `solids:` and `mechanics:` of a model: elastic solids, one entry for each group of `material: solid`.
 
+mod form;
 mod living;
 mod material;
 mod points;
 
+pub use form::Form;
 pub use living::{Growth, Softening, Turgor};
 pub use material::law_name;
 pub use points::Point;
@@ -62,31 +64,9 @@ pub struct SolidPlaces {
     pub entry: Place,
     /// Its spacing, else its name.
     pub spacing: Place,
-    pub method: Option<Place>,
     pub clamped: Option<Place>,
     pub driven: Option<Place>,
     pub softening: Option<Place>,
-}
-
-/// Equations by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Form {
-    /// From the undeformed solid.
-    #[default]
-    TotalLagrangian,
-    /// From step to step, with the stress rate of Jaumann.
-    Jaumann,
-}
-
-impl Form {
-    const NAMES: [(&str, Form); 2] =
-        [("total_lagrangian", Form::TotalLagrangian), ("jaumann", Form::Jaumann)];
-
-    /// As it is named in a model.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Form::NAMES.iter().find(|(_, form)| *form == self).map_or("", |(name, _)| name)
-    }
 }
 
 /// How the particles of a solid are laid out.
@@ -203,7 +183,7 @@ fn solid(
     let of = &domain.groups[group];
     let mut fields = Fields::of(node, &format!("solid `{}`", key.name), faults)?;
     let material = material::read(&mut fields, faults);
-    let form = fields.optional("method").map(|n| n.choice(&Form::NAMES, faults));
+    let form = form::read(&mut fields, (domain.mechanics, domain.fluid.is_some()), faults);
     let spacing_node = fields.optional("spacing");
     let spacing = spacing_node.map(|n| n.positive(Dimension::LENGTH, faults));
     let kernel = fields.optional("kernel").map(|n| n.choice(&KERNELS, faults));
@@ -228,7 +208,6 @@ fn solid(
     let places = SolidPlaces {
         entry: key.place.clone(),
         spacing: spacing_node.map_or_else(|| key.place.clone(), |n| n.place.clone()),
-        method: place("method"),
         clamped: place("clamped"),
         driven: place("driven"),
         softening: place("softening"),
@@ -254,7 +233,7 @@ fn solid(
     Some(SolidModel {
         group,
         material: material?,
-        form: form.unwrap_or(Some(Form::default()))?,
+        form: form?,
         spacing: spacing.unwrap_or(Some(of.spacing))?,
         kernel: kernel.unwrap_or(Some(domain.kernel))?,
         support: support.unwrap_or(Some(1.6))?,

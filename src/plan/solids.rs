@@ -11,7 +11,7 @@ use crate::model::fluid::Velocity;
 use crate::model::solids::{Form, Softening};
 use crate::model::{Boundary, ParticleDomain, SolidModel};
 use crate::quantity::readable::length;
-use crate::solid::{Elastic, Hold, Options, Setup};
+use crate::solid::{self, Elastic, Hold, Jaumann, Options, Setup};
 use crate::vector::Vector;
 use rand::Rng;
 use std::sync::Arc;
@@ -29,6 +29,7 @@ pub struct SolidPlan<const D: usize> {
     /// Its number among the bodies of the flow, if there is one.
     pub body: u8,
     pub setup: Setup<D>,
+    pub form: Form,
     /// At t = 0.
     pub velocity: Velocity,
     pub softening: Option<Softening>,
@@ -41,7 +42,7 @@ pub struct SolidPlan<const D: usize> {
 }
 
 impl<const D: usize> SolidPlan<D> {
-    /// The solid at t = 0.
+    /// The total-Lagrangian solid at t = 0.
     ///
     /// # Errors
     /// A solid that cannot be built.
@@ -51,6 +52,18 @@ impl<const D: usize> SolidPlan<D> {
             elastic.set_velocity(|x| narrow(&self.velocity.at(&embed(x))));
         }
         Ok(elastic)
+    }
+
+    /// The updated-Lagrangian solid at t = 0.
+    ///
+    /// # Errors
+    /// A solid that cannot be built.
+    pub fn jaumann(&self, form: solid::Form) -> Result<Jaumann<D>, RunError> {
+        let mut jaumann = Jaumann::new(self.setup.clone(), form)?;
+        if !self.velocity.is_zero() {
+            jaumann.set_velocity(|x| narrow(&self.velocity.at(&embed(x))));
+        }
+        Ok(jaumann)
     }
 }
 
@@ -93,7 +106,6 @@ pub(super) fn solid<const D: usize>(
     let places: Vec<Vector<D>> = found.iter().map(|(x, _)| *x).collect();
     let (thickness, at) = thinnest(&group.shape, &places, solid.spacing);
     check_thickness(domain, solid, (thickness, at), faults);
-    check_unknown(solid, faults);
     SolidPlan {
         group: solid.group as u8,
         name: group.name.clone(),
@@ -114,6 +126,7 @@ pub(super) fn solid<const D: usize>(
                 ..Options::default()
             },
         },
+        form: solid.form,
         velocity: solid.velocity.clone(),
         softening: solid.softening,
         vessel: vessels::vessel(domain, solid, found.len(), faults),
@@ -160,18 +173,6 @@ fn check_thickness(
                 domain.support
             ),
         ));
-    }
-}
-
-/// What the equations at hand do not know.
-fn check_unknown(solid: &SolidModel, faults: &mut Vec<Fault>) {
-    let mut refuse = |place: &crate::error::Place, reason: &str, remedy: &str| {
-        faults.push(Fault::at(place, reason, remedy));
-    };
-    let entry = &solid.places.entry;
-    if solid.form == Form::Jaumann {
-        let place = solid.places.method.as_ref().unwrap_or(entry);
-        refuse(place, "models run total-Lagrangian solids only", "remove `method`");
     }
 }
 

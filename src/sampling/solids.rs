@@ -9,7 +9,7 @@ use crate::plan::Plan;
 use crate::record::ProbeRecord;
 use crate::samples::ProbeRows;
 use crate::scene::Scene;
-use crate::solid::Elastic;
+use crate::solid::Body;
 use crate::space::matrix::Matrix;
 use crate::vector::Vector;
 
@@ -73,7 +73,7 @@ pub fn rows<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Vec<Row> {
 
 /// Displacement and velocity of the material that was at a place X at rest, from the particle next to it at X_n:
 /// u = u_n + (F_n - 1)(X - X_n), v = v_n.
-fn of_point<const D: usize>(point: &Point, elastic: &Elastic<D>) -> Vec<Row> {
+fn of_point<const D: usize>(point: &Point, elastic: &dyn Body<D>) -> Vec<Row> {
     let place = Vector::<D>::from_fn(|k, _| point.at[k]);
     let away = |i: usize| (elastic.places()[i] - place).norm_squared();
     let Some(n) = (0..elastic.len()).min_by(|&a, &b| away(a).total_cmp(&away(b))) else { return Vec::new() };
@@ -96,7 +96,7 @@ fn of_point<const D: usize>(point: &Point, elastic: &Elastic<D>) -> Vec<Row> {
 /// the fluid, if there is one.
 fn of_solid<const D: usize>(
     name: &str,
-    elastic: &Elastic<D>,
+    elastic: &dyn Body<D>,
     thickness: f64,
     force: Option<Vector<D>>,
 ) -> Vec<Row> {
@@ -104,8 +104,11 @@ fn of_solid<const D: usize>(
     let mass: f64 = (0..n).map(|i| elastic.mass(i)).sum();
     let centre =
         (0..n).fold(Vector::<D>::zeros(), |sum, i| sum + elastic.position(i) * elastic.mass(i)) / mass;
-    let stretch = (0..n).map(|i| elastic.stretch(i)).fold(0.0, f64::max);
-    let values = [elastic.kinetic_energy() * thickness, elastic.elastic_energy() * thickness, stretch];
+    let values = [
+        elastic.kinetic_energy() * thickness,
+        elastic.elastic_energy() * thickness,
+        elastic.largest_stretch(),
+    ];
     let forces = force.into_iter().flat_map(|force| (0..D).map(move |k| (force_along(k), force[k])));
     let row = |(quantity, value)| Row { name: name.into(), quantity, at: embed(&centre).into(), value };
     OF_SOLID

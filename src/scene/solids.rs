@@ -1,50 +1,20 @@
 //! The elastic solids of a scene: the steps of those that no fluid moves, what is seen of them, and what softens them.
 
+mod alone;
+
+pub use alone::{SolidBody, SolidImage};
+
 use super::Scene;
 use super::vessels::concentration;
 use crate::error::RunError;
 use crate::fluid::{BodyKind, Coupled, Flow, Setup};
 use crate::plan::{ParticlePlan, SolidPlan};
 use crate::quantity::readable::{show, show_vector};
-use crate::solid::{Elastic, ElasticState, StepLimit};
+use crate::solid::{Body, StepLimit};
 use crate::vector::Vector;
-use serde::{Deserialize, Serialize};
 
-/// Steps after which the longest stable one is found again: what is stretched swings faster.
-const RENEWED: u64 = 2000;
 /// Steps between two looks at whether to stop.
 pub const AT_A_TIME: f64 = 64.0;
-
-/// An elastic solid of a scene.
-pub struct SolidBody<const D: usize> {
-    /// Its number among the solids of the plan.
-    pub number: usize,
-    pub group: u8,
-    /// Number of its first particle; the others follow.
-    pub first: usize,
-    pub elastic: Elastic<D>,
-    /// Of the start.
-    limit: StepLimit,
-    pace: Pace,
-}
-
-/// How a solid steps, and the most it was stretched so far.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Pace {
-    /// The longest step, s.
-    longest: f64,
-    /// Steps until it is found again.
-    left: u64,
-    largest_stretch: f64,
-    steps: u64,
-}
-
-/// What must be kept of a solid to go on with it later.
-#[derive(Serialize, Deserialize)]
-pub struct SolidImage<'a, const D: usize> {
-    elastic: ElasticState<'a, D>,
-    pace: Pace,
-}
 
 /// What solids have come to so far.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,63 +24,6 @@ pub struct SolidHealth {
     pub bond_evaluations: u64,
     /// Steps of the solid that took most.
     pub steps: u64,
-}
-
-impl<const D: usize> SolidBody<D> {
-    /// The solid of a plan at t = 0.
-    ///
-    /// # Errors
-    /// A solid that cannot be built.
-    pub fn new(plan: &SolidPlan<D>, number: usize) -> Result<SolidBody<D>, RunError> {
-        let mut elastic = plan.elastic()?;
-        let limit = elastic.limit()?;
-        let pace = Pace { longest: limit.seconds, left: RENEWED, largest_stretch: 1.0, steps: 0 };
-        Ok(SolidBody { number, group: plan.group, first: plan.first, elastic, limit, pace })
-    }
-
-    /// What must be kept to go on later.
-    #[must_use]
-    pub fn image(&self) -> SolidImage<'_, D> {
-        SolidImage { elastic: self.elastic.image(), pace: self.pace }
-    }
-
-    /// Goes back to an image; `None` if it belongs to another solid.
-    #[must_use]
-    pub fn restore(&mut self, image: SolidImage<D>) -> Option<()> {
-        self.pace = image.pace;
-        self.elastic.restore(image.elastic)
-    }
-
-    /// Advances by `duration` (s) in equal steps.
-    fn advance(&mut self, duration: f64) -> Result<(), RunError> {
-        let steps = (duration / self.pace.longest * (1.0 - 1e-9)).ceil().max(1.0);
-        self.elastic.advance(duration, duration / steps * (1.0 + 1e-12))?;
-        self.pace.steps += steps as u64;
-        if steps as u64 >= self.pace.left {
-            self.pace.longest = self.elastic.step_limit()?;
-            self.pace.left = RENEWED;
-        } else {
-            self.pace.left -= steps as u64;
-        }
-        let stretch = (0..self.elastic.len()).map(|i| self.elastic.stretch(i)).fold(0.0, f64::max);
-        self.pace.largest_stretch = self.pace.largest_stretch.max(stretch);
-        Ok(())
-    }
-
-    /// Numbers an error as the particles of the plan are numbered, and says which solid it is.
-    fn named(&self, error: RunError, name: &str) -> RunError {
-        match error {
-            RunError::BlowUp { step, time, particle, quantity, value, remedy } => RunError::BlowUp {
-                step,
-                time,
-                particle: particle + self.first,
-                quantity: format!("{quantity} (solid `{name}`)"),
-                value,
-                remedy,
-            },
-            other => other,
-        }
-    }
 }
 
 impl<'p, const D: usize> Scene<'p, D> {
@@ -155,13 +68,16 @@ impl<'p, const D: usize> Scene<'p, D> {
 
     /// Elastic solid `number` of the plan as it is now.
     #[must_use]
-    pub fn elastic(&self, number: usize) -> Option<&Elastic<D>> {
+    pub fn elastic(&self, number: usize) -> Option<&dyn Body<D>> {
         if let Some(flow) = &self.flow {
             let body = self.plan.solids[number].body;
-            return flow.elastic_bodies().find(|(mine, _)| *mine == body).map(|(_, coupled)| coupled.solid());
+            let (_, coupled) = flow.elastic_bodies().find(|(mine, _)| *mine == body)?;
+            return Some(coupled.solid());
         }
-        let vessel = self.vessel(number).map(|body| &body.vessel.solid);
-        vessel.or(self.solids.iter().find(|body| body.number == number).map(|body| &body.elastic))
+        if let Some(body) = self.vessel(number) {
+            return Some(&body.vessel.solid);
+        }
+        self.solids.iter().find(|body| body.number == number).map(SolidBody::solid)
     }
 
     /// Advances the solids by `steps` times `dt` (s), or until `stop` says so; how often.
@@ -209,10 +125,12 @@ impl<'p, const D: usize> Scene<'p, D> {
 
     /// A solid that has left the box: molecules in it would be nowhere.
     pub(super) fn check_solids(&self) -> Result<(), RunError> {
-        let moving = self.solids.iter().map(|body| (body.number, body.first, &body.elastic, body.pace.steps));
-        let balanced = self.vessels.iter();
-        let balanced =
-            balanced.map(|body| (body.number, body.first, &body.vessel.solid, body.course().steps));
+        let moving = self.solids.iter();
+        let moving = moving.map(|body| (body.number, body.first, body.solid(), body.pace.steps));
+        let balanced = self.vessels.iter().map(|body| {
+            let solid: &dyn Body<D> = &body.vessel.solid;
+            (body.number, body.first, solid, body.course().steps)
+        });
         for (number, first, elastic, step) in moving.chain(balanced) {
             // What is held may be in the walls.
             let beyond =
@@ -279,7 +197,7 @@ impl<'p, const D: usize> Scene<'p, D> {
             let elastic = match &mut self.flow {
                 Some(flow) => flow.elastic_body_mut(plan.body).map(Coupled::solid_mut),
                 None => {
-                    self.solids.iter_mut().find(|body| body.number == number).map(|body| &mut body.elastic)
+                    self.solids.iter_mut().find(|body| body.number == number).and_then(SolidBody::elastic_mut)
                 }
             };
             let Some(elastic) = elastic else { continue };
@@ -294,7 +212,7 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// What the solids have come to so far, if there are any.
     #[must_use]
     pub fn solid_health(&self) -> Option<SolidHealth> {
-        let of = |elastic: &Elastic<D>, largest_stretch: f64| {
+        let of = |elastic: &dyn Body<D>, largest_stretch: f64| {
             let tally = elastic.tally();
             SolidHealth {
                 largest_stretch,
@@ -303,7 +221,7 @@ impl<'p, const D: usize> Scene<'p, D> {
                 steps: tally.particle_steps / elastic.len().max(1) as u64,
             }
         };
-        let alone = self.solids.iter().map(|body| of(&body.elastic, body.pace.largest_stretch));
+        let alone = self.solids.iter().map(|body| of(body.solid(), body.pace.largest_stretch));
         let coupled = self.flow.iter().flat_map(Flow::elastic_bodies);
         let coupled = coupled.map(|(_, coupled)| of(coupled.solid(), coupled.largest_stretch()));
         let balanced = self.vessels.iter().map(|body| of(&body.vessel.solid, body.course().largest_stretch));

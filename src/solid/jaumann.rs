@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use crate::error::RunError;
 use crate::solid::elastic::{Hold, Setup, Tally};
 use crate::solid::force::CHUNK;
+use crate::solid::limit::StepLimit;
 use crate::solid::material::Material;
 use crate::solid::nearby::Nearby;
 use crate::space::matrix::{Matrix, determinant, dyad, inverse};
@@ -90,6 +91,8 @@ pub struct Jaumann<const D: usize> {
     densities: Vec<f64>,
     /// S, Pa. Its trace with what is out of the plane is zero.
     deviators: Vec<Matrix<D>>,
+    /// F, gathered from L as the stress is.
+    gradients: Vec<Matrix<D>>,
     corrections: Vec<Matrix<D>>,
     pulls: Vec<Pull<D>>,
     /// By internal forces, m/s².
@@ -103,6 +106,18 @@ pub struct Jaumann<const D: usize> {
 }
 
 impl<const D: usize> Jaumann<D> {
+    /// Advances by `duration` (s) in equal steps of at most `longest` (s).
+    ///
+    /// # Errors
+    /// As [`Jaumann::step`].
+    pub fn advance(&mut self, duration: f64, longest: f64) -> Result<(), RunError> {
+        let steps = (duration / longest).ceil().max(1.0);
+        for _ in 0..steps as u64 {
+            self.step(duration / steps)?;
+        }
+        Ok(())
+    }
+
     /// A solid at rest. Hourglass control and growth are not part of this form.
     ///
     /// # Errors
@@ -127,6 +142,7 @@ impl<const D: usize> Jaumann<D> {
             velocities: vec![none; n],
             densities: vec![setup.material.density; n],
             deviators: vec![Matrix::zeros(); n],
+            gradients: vec![Matrix::identity(); n],
             corrections: vec![Matrix::identity(); n],
             pulls: vec![Pull { stress: Matrix::zeros(), artificial: Matrix::zeros() }; n],
             accelerations: vec![none; n],
@@ -165,6 +181,13 @@ impl<const D: usize> Jaumann<D> {
         Ok(())
     }
 
+    /// The longest step that is used and what limits it.
+    #[must_use]
+    pub fn limit(&self) -> StepLimit {
+        let limited_by = "the speed of pressure waves in the solid".into();
+        StepLimit { seconds: self.step_limit(), limited_by }
+    }
+
     /// The longest step that is used, s, by the speed of pressure waves and the cut-off.
     #[must_use]
     pub fn step_limit(&self) -> f64 {
@@ -191,7 +214,7 @@ impl<const D: usize> Jaumann<D> {
         }
     }
 
-    /// Density and stress over `dt` with the velocity gradient of now.
+    /// Density, stress and deformation over `dt` with the velocity gradient of now.
     fn flow(&mut self, dt: f64) -> Result<(), RunError> {
         let corrections = self.moments()?;
         let (x, v, kernel, material) = (&self.positions, &self.velocities, &self.kernel, &self.material);
@@ -223,6 +246,8 @@ impl<const D: usize> Jaumann<D> {
                 deviator[(k, k)] -= 2.0 / 3.0 * material.shear * spread;
             }
             self.deviators[i] = deviator;
+            let half = l * (0.5 * dt);
+            self.gradients[i] = inverse(&(one - half)) * (one + half) * self.gradients[i];
             // Exact for a constant rate of volume.
             self.densities[i] *= (-spread).exp();
         }

@@ -53,12 +53,16 @@ impl<const D: usize> Elastic<D> {
     /// The largest stretch of particle `i`, elastic and grown together: √ of the largest eigenvalue of FᵀF.
     #[must_use]
     pub fn stretch(&self, i: usize) -> f64 {
-        let f = self.strains[i].f;
-        embed(&(f.transpose() * f), 0.0).symmetric_eigenvalues().max().max(0.0).sqrt()
+        largest_stretch(&self.strains[i].f)
     }
 
     /// F_g⁻¹ of particle `i`.
     fn back(&self, i: usize) -> Matrix<D> {
         self.growth.as_ref().map_or_else(Matrix::identity, |growth| growth[i])
     }
+}
+
+/// √ of the largest eigenvalue of FᵀF.
+pub(super) fn largest_stretch<const D: usize>(f: &Matrix<D>) -> f64 {
+    embed(&(f.transpose() * f), 0.0).symmetric_eigenvalues().max().max(0.0).sqrt()
 }

@@ -16,8 +16,10 @@
 //! | [`vessel`] | a wall always in equilibrium, as it softens and grows |
 //! | [`outline`], [`hull`], [`breach`] | length, width and curvature of a projection; convex hulls; ways out |
 //! | [`jaumann`], `nearby` | the updated-Lagrangian form, for comparison; neighbours of particles that move |
+//! | [`body`] | what all forms show |
 //! | [`state`] | what must be kept to go on later |
 
+pub mod body;
 pub mod bonds;
 pub mod breach;
 #[cfg(test)]
@@ -44,6 +46,7 @@ pub mod turgor;
 mod unbalanced;
 pub mod vessel;
 
+pub use body::Body;
 pub use elastic::{Elastic, Hold, Options, Setup};
 pub use insert::Birth;
 pub use jaumann::{Form, Jaumann, JaumannState};

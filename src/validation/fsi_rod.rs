@@ -315,7 +315,7 @@ fn velocities(scene: &Scene<2>, points: &[Vector<2>]) -> Vec<Vector<2>> {
 /// Height at rest and displacement along the stream of the rod's middle, um: the mean of the two particles beside it.
 fn midline(scene: &Scene<2>) -> Vec<(f64, f64)> {
     let Some(rod) = scene.elastic(0) else { return Vec::new() };
-    let edge = rod.volumes().first().map_or(0.0, |volume| volume.sqrt());
+    let edge = scene.plan.solids[0].spacing;
     let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
     for (i, place) in rod.places().iter().enumerate() {
         if (place[0] - 102.5e-6).abs() > 0.75 * edge {

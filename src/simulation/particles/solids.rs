@@ -2,7 +2,7 @@
 
 use super::Ready;
 use crate::model::Domain;
-use crate::model::solids::law_name;
+use crate::model::solids::{Form, law_name};
 use crate::quantity::readable::{show, significant};
 use crate::record::SolidRecord;
 use crate::solid::{Hold, StepLimit};
@@ -23,7 +23,11 @@ impl<const D: usize> Ready<'_, D> {
                 particles: plan.setup.places.len(),
                 spacing: plan.spacing,
                 thickness: plan.thickness,
-                law: law_name(material.law).into(),
+                // A rate of stress, integrable to no energy.
+                law: match described.form {
+                    Form::TotalLagrangian => law_name(material.law).into(),
+                    Form::Jaumann(_) => "hypoelastic".into(),
+                },
                 method: described.form.name().into(),
                 density: material.density,
                 bulk_modulus: material.bulk,

@@ -84,6 +84,7 @@ fn small_swings_are_those_of_the_total_lagrangian_form() {
     total.set_velocity(push);
     updated.set_velocity(push);
     let (dt, mut largest, mut apart) = (0.5 * updated.step_limit(), 0.0_f64, 0.0_f64);
+    let (mut stress, mut strain) = ([0.0_f64; 2], [0.0_f64; 2]);
     // About a quarter of a period.
     for _ in 0..1000 {
         total.step(dt).expect("stable");
@@ -91,10 +92,16 @@ fn small_swings_are_those_of_the_total_lagrangian_form() {
         for i in 0..total.len() {
             largest = largest.max((total.position(i) - total.places()[i]).norm());
             apart = apart.max((total.position(i) - updated.position(i)).norm());
+            let most = |of: &mut [f64; 2], size: f64, off: f64| *of = [of[0].max(size), of[1].max(off)];
+            let (sigma, f) = (total.stress(i), total.gradient(i) - Matrix::identity());
+            most(&mut stress, sigma.norm(), (sigma - updated.stress(i)).norm());
+            most(&mut strain, f.norm(), (total.gradient(i) - updated.gradient(i)).norm());
         }
     }
     // They part with the square of the displacement.
     assert!(apart < 1e-4 * largest, "{apart} of {largest}");
+    // Stress and deformation half a step before, at the middle of which the gradient of the velocity is taken.
+    assert!(stress[1] < 1e-3 * stress[0] && strain[1] < 1e-3 * strain[0], "{stress:?} {strain:?}");
     let energy = |kinetic: f64, elastic: f64| kinetic + elastic;
     let (a, b) = (
         energy(total.kinetic_energy(), total.elastic_energy()),

@@ -2,6 +2,7 @@
 
 use super::Jaumann;
 use crate::solid::elastic::{Hold, Tally};
+use crate::solid::measure::largest_stretch;
 use crate::space::matrix::{Matrix, embed};
 use crate::vector::Vector;
 
@@ -44,6 +45,24 @@ impl<const D: usize> Jaumann<D> {
     #[must_use]
     pub fn velocities(&self) -> &[Vector<D>] {
         &self.velocities
+    }
+
+    /// Deformation gradient F of particle `i` from its place at rest, gathered from the velocity gradients since.
+    #[must_use]
+    pub fn gradient(&self, i: usize) -> Matrix<D> {
+        self.gradients[i]
+    }
+
+    /// The largest stretch of particle `i`: √ of the largest eigenvalue of FᵀF.
+    #[must_use]
+    pub fn stretch(&self, i: usize) -> f64 {
+        largest_stretch(&self.gradients[i])
+    }
+
+    /// Whether particle `i` is held or driven.
+    #[must_use]
+    pub fn is_held(&self, i: usize) -> bool {
+        !matches!(self.holds[i], Hold::Free)
     }
 
     /// Mass of particle `i`, kg per unit thickness.

@@ -19,6 +19,7 @@ pub struct JaumannState<'a, const D: usize> {
     loads: Cow<'a, [Vector<D>]>,
     densities: Cow<'a, [f64]>,
     deviators: Cow<'a, [Matrix<D>]>,
+    gradients: Cow<'a, [Matrix<D>]>,
     time: f64,
     steps: u64,
     tally: Tally,
@@ -35,6 +36,7 @@ impl<const D: usize> Jaumann<D> {
             loads: Cow::Borrowed(&self.loads),
             densities: Cow::Borrowed(&self.densities),
             deviators: Cow::Borrowed(&self.deviators),
+            gradients: Cow::Borrowed(&self.gradients),
             time: self.time,
             steps: self.steps,
             tally: self.tally.clone(),
@@ -46,7 +48,11 @@ impl<const D: usize> Jaumann<D> {
     pub fn restore(&mut self, image: JaumannState<D>) -> Option<()> {
         let n = self.len();
         let vectors = [&image.positions, &image.velocities, &image.accelerations, &image.loads];
-        if vectors.iter().any(|v| v.len() != n) || image.densities.len() != n || image.deviators.len() != n {
+        let matrices = [&image.deviators, &image.gradients];
+        if vectors.iter().any(|v| v.len() != n)
+            || matrices.iter().any(|m| m.len() != n)
+            || image.densities.len() != n
+        {
             return None;
         }
         self.positions = image.positions.into_owned();
@@ -55,6 +61,7 @@ impl<const D: usize> Jaumann<D> {
         self.loads = image.loads.into_owned();
         self.densities = image.densities.into_owned();
         self.deviators = image.deviators.into_owned();
+        self.gradients = image.gradients.into_owned();
         (self.time, self.steps, self.tally) = (image.time, image.steps, image.tally);
         // Whom the lists hold beyond the cut-off adds nothing, so that new lists change no sum.
         self.near.make(&self.positions, &self.domain);
