@@ -46,7 +46,7 @@ fn cube(n: usize) -> Links {
 
 /// Species of diffusivity 1 m²/s: one without `reactions`, three with them, at constants of 1e-12.
 fn reactor(reactions: usize) -> Reactor {
-    let source = Arc::new(Source { path: String::from("bench"), text: String::new() });
+    let source = Arc::new(Source::new("bench", ""));
     let place = Place { source, line: 1, column: 1, width: 1 };
     let species = |name: &str| Species {
         name: String::from(name),

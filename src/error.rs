@@ -1,14 +1,48 @@
 //! What can be wrong: faults in what the user wrote, and faults of a run.
 
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The text of a file a user wrote, kept for messages.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Default, PartialEq, Eq)]
 pub struct Source {
     /// The path as the user would type it.
     pub path: String,
     pub text: String,
+    replaced: OnceLock<Vec<Replaced>>,
+}
+
+/// Something in a [`Source`] that does not count any more, because it was set on the command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Replaced {
+    pub line: u32,
+    /// Where something round it begins; none for what was replaced itself, by which its whole line is out of date.
+    pub column: Option<u32>,
+    /// As typed, e.g. `--set run.until=1 s`.
+    pub by: String,
+}
+
+impl Source {
+    /// A text, and the path it is known by.
+    pub fn new(path: impl Into<String>, text: impl Into<String>) -> Source {
+        Source { path: path.into(), text: text.into(), replaced: OnceLock::new() }
+    }
+
+    /// Notes what was set on the command line; once.
+    pub fn replace(&self, replaced: Vec<Replaced>) {
+        let _ = self.replaced.set(replaced);
+    }
+
+    /// What was set of what a place shows.
+    fn set_at(&self, place: &Place) -> Vec<&str> {
+        let here = |one: &&Replaced| {
+            one.line == place.line && one.column.is_none_or(|column| column == place.column)
+        };
+        let mut found: Vec<&str> =
+            self.replaced.get().into_iter().flatten().filter(here).map(|one| one.by.as_str()).collect();
+        found.dedup();
+        found
+    }
 }
 
 /// A stretch of characters in a [`Source`]; line and column count from one, in characters.
@@ -22,6 +56,13 @@ pub struct Place {
 }
 
 impl Place {
+    /// Whether it is the same stretch of the same text.
+    #[must_use]
+    pub fn is_same(&self, other: &Place) -> bool {
+        (self.line, self.column, self.width) == (other.line, other.column, other.width)
+            && Arc::ptr_eq(&self.source, &other.source)
+    }
+
     /// The same place moved right by `offset` characters, `width` wide; for faults inside a scalar.
     #[must_use]
     pub fn inside(&self, offset: usize, width: usize) -> Place {
@@ -71,6 +112,9 @@ impl fmt::Display for Fault {
                 let (shown, carets) = excerpt(line, place.column as usize, place.width as usize);
                 writeln!(f, "  {number} | {shown}")?;
                 writeln!(f, "  {blank} | {carets}")?;
+                for by in place.source.set_at(place) {
+                    writeln!(f, "  {blank} = with {by}")?;
+                }
             }
         } else {
             writeln!(f, "{}", self.reason)?;

@@ -225,6 +225,22 @@ fn a_bar_that_is_pulled_carries_the_stress_of_plane_strain() {
     assert!(last.stretch.iter().all(|s| *s > 0.99 && *s < 1.05));
 }
 
+#[test]
+fn a_driven_displacement_that_is_no_number_is_told_at_its_source() {
+    let driven = "driven: { where: { box: { min: [19.6 um, 0], max: [20 um, 4 um] } }, displacement: [\"1 um * sqrt(-t / (1 s))\", 0] }";
+    let text = with(&[("velocity: [0, \"10 s^-1 * x\"]", driven)]);
+    let bench = Bench::new();
+    let output = Command::new(env!("CARGO_BIN_EXE_gillesph"))
+        .args(["run", bench.model("m.yaml", &text).to_str().unwrap(), "--quiet"])
+        .args(["--out", bench.path("out").to_str().unwrap()])
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    for words in ["driven displacement", "t = ", "solid `bar`", "driven.displacement is no number"] {
+        assert!(message.contains(words) && !message.contains("crushed"), "{words}: {message}");
+    }
+}
+
 #[rstest]
 #[case("poisson", &[("bulk_modulus: 2 kPa\n    shear_modulus: 500 Pa", "youngs_modulus: 1 kPa\n    poisson_ratio: 0.5")], "Poisson ratio of 0.5", "11:20")]
 #[case("moduli", &[("shear_modulus: 500 Pa", "youngs_modulus: 1 kPa")], "two pairs of moduli", "10:19")]

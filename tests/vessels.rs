@@ -4,7 +4,7 @@ mod face;
 
 use face::{Bench, amounts};
 use gillesph::samples::ProbeRows;
-use gillesph::tables::{read_probes, read_series};
+use gillesph::tables::{list_particles, read_particles, read_probes, read_series};
 use std::path::Path;
 use std::process::Command;
 
@@ -61,22 +61,135 @@ fn a_wall_grows_and_shares_its_molecules_out() {
     }
 }
 
+/// What a run of the cell says when it fails, with `from` replaced by `to`.
+fn told(from: &str, to: &str) -> String {
+    assert!(CELL.contains(from), "{from}");
+    let bench = Bench::new();
+    let model = bench.model("cell.yaml", &CELL.replacen(from, to, 1));
+    let out = bench.path("out");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gillesph"));
+    let output = command.arg("run").arg(model).arg("--quiet").arg("--out").arg(out).output().unwrap();
+    assert!(!output.status.success(), "{to}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
 #[test]
 fn what_cannot_be_in_balance_is_said() {
-    let cases: [(&str, &str, &str); 4] = [
-        ("mechanics: { mode: quasi_static, tolerance: 1e-4 }", "", "add mechanics: { mode: quasi_static }"),
-        ("    placement: layers\n", "", "the quasi-static mode is that of closed walls"),
-        ("reserve: 600", "reserve: 9", "raise growth.reserve"),
-        ("youngs_modulus: 20 MPa", "youngs_modulus: 0.2 MPa", "balloons"),
+    let cases: [(&str, &str, &[&str]); 13] = [
+        (
+            "mechanics: { mode: quasi_static, tolerance: 1e-4 }",
+            "",
+            &["add mechanics: { mode: quasi_static }"],
+        ),
+        ("    placement: layers\n", "", &["that of closed walls", "remove `mechanics`"]),
+        ("reserve: 600", "reserve: 9", &["raise growth.reserve (particles)"]),
+        ("youngs_modulus: 20 MPa", "youngs_modulus: 0.2 MPa", &["balloons"]),
+        // Far beyond what it holds the load turns particles inside out before they are stretched far.
+        ("pressure: 0.5 MPa", "pressure: 50 MPa", &["balloons"]),
+        ("tolerance: 1e-4", "tolerance: 1e-16", &["all but balanced", "set mechanics.tolerance"]),
+        ("pressure: 0.5 MPa", "pressure: -0.5 MPa", &["cell.yaml:15:25", "negative turgor is no turgor"]),
+        ("    placement:", "    drag: 3 1/s\n    placement:", &["cell.yaml:14:5", "`drag` has no effect"]),
+        (
+            "    placement:",
+            "    velocity: [0, 0]\n    placement:",
+            &["cell.yaml:14:5", "`velocity` has no effect"],
+        ),
+        (
+            "    placement:",
+            "    hourglass: -1\n    placement:",
+            &["\"hourglass\": number may not be negative"],
+        ),
+        ("20 MPa", "20 MPaa", &["did you mean \"MPa\"?"]),
+        // At the start, before anything has run.
+        (
+            "    growth:",
+            "    softening: { by: B, factor: 0.9, at: 1 uM }\n    growth:",
+            &["cell.yaml:16:5", "of `B` at", "at the start the shear modulus of `wall`"],
+        ),
+        (
+            "B: { diffusion: 1 um^2/s, representation: continuous } } }",
+            "B: { diffusion: 1 um^2/s, only_in: [rest] } } }\n#",
+            &["unknown group `rest`"],
+        ),
     ];
     for (from, to, words) in cases {
-        let bench = Bench::new();
-        let model = bench.model("cell.yaml", &CELL.replacen(from, to, 1));
-        let out = bench.path("out");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gillesph"));
-        let output = command.arg("run").arg(model).arg("--quiet").arg("--out").arg(out).output().unwrap();
-        assert!(!output.status.success(), "{words}");
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(told.contains(words), "{words}: {told}");
+        let told = told(from, to);
+        assert!(words.iter().all(|words| told.contains(words)), "{words:?}: {told}");
     }
+}
+
+#[test]
+fn a_species_that_cannot_make_a_wall_grow_is_told_at_its_growth() {
+    let bench = Bench::new();
+    let text = CELL
+        .replacen("representation: continuous", "representation: continuous, only_in: [rest]", 1)
+        .replacen("solids:", "  rest: { shape: everything_else }\nsolids:", 1)
+        .replacen("wall: { A: 5000, B: 5000 }", "wall: { A: 5000 }", 1)
+        .replacen("rate: 2e-8 1/Pa/s", "rate: 2e-8 1/Pa/s, by: B, at: 1 uM", 1)
+        .replacen("    growth:", "    softening: { by: A, factor: 0.1, at: 1 mM }\n    growth:", 1);
+    let told = check(&bench.model("cell.yaml", &text), &[]);
+    assert!(told.contains("cell.yaml:18:5  `B` cannot be in `wall`"), "{told}");
+}
+
+fn check(model: &Path, more: &[&str]) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gillesph"));
+    let output = command.arg("check").arg(model).args(more).output().unwrap();
+    String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned()
+}
+
+#[test]
+fn check_tells_what_a_wall_does() {
+    let bench = Bench::new();
+    let model = bench.model("cell.yaml", CELL);
+    let plain = check(&model, &[]);
+    for words in [
+        "columns: 41 of 3 layers",
+        "in balance: at every chemistry step of 1 s, but for 0.0001 of the loads",
+        "turgor: 500 kPa",
+        "above a stress of 400 kPa; new columns at a stretch of 1.3, 600 particles for them",
+        "solid step 1 s, 30 steps, limited by the chemistry step",
+    ] {
+        assert!(plain.contains(words), "{words}: {plain}");
+    }
+    assert!(!plain.contains("warning"), "{plain}");
+    let rash = check(&model, &["--set", "solids.wall.growth.rate=2e-3 1/Pa/s"]);
+    assert!(rash.contains("warning: growth of `wall`") && rash.contains("look at the unit"), "{rash}");
+    // What is told where the file shows another value says what was set.
+    let set = check(&model, &["--set", "chemistry.step=1e-12 s"]);
+    assert!(
+        set.contains("chemistry steps of") && set.contains("= with --set chemistry.step=1e-12 s"),
+        "{set}"
+    );
+}
+
+/// Of 2 mM that is held on one side of a wall that grows, what comes into being there has as much.
+#[test]
+fn new_columns_of_a_held_part_are_held() {
+    let text = CELL
+        .replacen(
+            "solids:",
+            "  side: { material: zone, shape: { box: { min: [0, -20 um], max: [20 um, 20 um] } } }\nsolids:",
+            1,
+        )
+        .replacen("fluid:", "conditions: { hold: { held: { in: side, species: { B: 2 mM } } } }\nfluid:", 1)
+        .replacen(
+            "A: { diffusion: 1 um^2/s }, B: { diffusion: 1 um^2/s",
+            "A: { diffusion: 0 }, B: { diffusion: 0",
+            1,
+        )
+        .replacen("initial: { wall: { A: 5000, B: 5000 } }", "initial: { wall: { A: 5000 } }", 1)
+        .replacen("output: { every: 5 s }", "output: { every: 5 s, particles: { times: [0, 30 s] } }", 1);
+    let bench = Bench::new();
+    let dir = bench.run(&bench.model("cell.yaml", &text), "out", &[]);
+    let (_, frames) = read_particles(&list_particles(&dir)[0].2).unwrap();
+    let (first, last) = (&frames[0], frames.last().unwrap());
+    let b = first.amounts.len() - 1;
+    let there = |i: usize| last.amounts[b][i] / (gillesph::chemistry::AVOGADRO * last.volume[i]);
+    // Particles keep their numbers; those above 123 came into being.
+    let born: Vec<f64> = (123..last.len()).map(there).filter(|c| *c > 1e-9).collect();
+    assert!(born.len() >= 12, "{}", born.len());
+    let off = |c: &f64| (c / 2.0 - 1.0).abs();
+    // Those between the sides have one donor that is not held.
+    let held = born.iter().filter(|c| off(c) < 1e-9).count();
+    assert!(held + 12 >= born.len(), "{born:?}");
 }

@@ -222,7 +222,7 @@ pub(crate) mod example {
 
     /// A mass-action network of `species` immobile species S0, S1, … from (reactants, products, constant).
     pub fn network(kinetics: Kinetics, species: usize, reactions: &[Equation]) -> Network {
-        let source = Arc::new(Source { path: String::from("test"), text: String::new() });
+        let source = Arc::new(Source::new("test", ""));
         let place = Place { source, line: 1, column: 1, width: 1 };
         let species = (0..species).map(|s| Species {
             name: format!("S{s}"),

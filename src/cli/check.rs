@@ -18,8 +18,9 @@ use std::path::Path;
 /// round figures of a common machine, for the estimate of the run time only.
 const PAIRS_PER_SECOND: f64 = 5e7;
 const VOXEL_STEPS_PER_SECOND: f64 = 3e6;
-/// Particles of elastic solids that a core takes a step in a second.
+/// Particles of elastic solids that a core takes a step in a second, and rounds of a wall until it is in balance.
 const SOLID_STEPS_PER_SECOND: f64 = 1.5e7;
+const ROUNDS: f64 = 200.0;
 
 /// Checks a file and prints its plan.
 pub(crate) fn check(file: &Path, overrides: &[String]) -> Result<(), Stop> {
@@ -170,7 +171,7 @@ fn describe(plan: &Plan, ready: &Ready) -> String {
     for warning in &plan.warnings {
         line(format!("  warning: {}", warning.to_string().trim_end()));
     }
-    if let Some(warning) = ready.coarse() {
+    for warning in ready.rash_growth().into_iter().chain(ready.coarse()) {
         line(format!("  warning: {warning}"));
     }
     for approximation in &record.steps.approximations {
@@ -255,11 +256,19 @@ fn solid_words(solid: &SolidRecord) -> Vec<String> {
             significant(solid.poisson_ratio, 4),
             show(solid.sound_speed, "m/s")
         ),
-        format!("  longest step {}, limited by {}", show(solid.step, "s"), solid.limited_by),
     ];
-    if !solid.softening.is_empty() {
-        lines.push(format!("  softened: {}", solid.softening));
+    if solid.balance.is_empty() {
+        lines.push(format!("  longest step {}, limited by {}", show(solid.step, "s"), solid.limited_by));
     }
+    let more = [
+        ("columns", &solid.columns),
+        ("in balance", &solid.balance),
+        ("turgor", &solid.turgor),
+        ("growth", &solid.growth),
+        ("softened", &solid.softening),
+    ];
+    let more = more.into_iter().filter(|(_, words)| !words.is_empty());
+    lines.extend(more.map(|(what, words)| format!("  {what}: {words}")));
     lines
 }
 
@@ -273,7 +282,8 @@ fn run_time(plan: &Plan, record: &RunRecord, voxels: f64, neighbours: f64) -> St
     let flows = if plan.model.flows_differ() { f64::from(plan.model.run.realizations) } else { 1.0 };
     let fluid = flows
         * steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
-    let solids: f64 = record.solids.iter().map(|solid| solid.particles as f64).sum();
+    let rounds = |solid: &SolidRecord| if solid.balance.is_empty() { 1.0 } else { ROUNDS };
+    let solids: f64 = record.solids.iter().map(|solid| solid.particles as f64 * rounds(solid)).sum();
     let fluid = fluid
         + flows * steps.solid.as_ref().map_or(0.0, |s| s.count as f64 * solids / SOLID_STEPS_PER_SECOND);
     let chemistry = steps.chemistry.as_ref().map_or(0.0, |s| {

@@ -96,7 +96,8 @@ pub fn flow(samples: &Samples) -> Vec<Figure> {
             name: "velocity".into(),
             title: "Velocity".into(),
             caption: format!(
-                "Speed (colour) and direction (arrows, length by speed) at the end.{}",
+                "Speed (colour) and direction (arrows, length by speed) {}.{}",
+                instant(samples, frame.time),
                 slice_words(samples)
             ),
             drawing: snapshots(samples, &field, &bar, true),
@@ -117,7 +118,8 @@ pub fn flow(samples: &Samples) -> Vec<Figure> {
             name: "pressure".into(),
             title: "Pressure".into(),
             caption: format!(
-                "Pressure of the fluid at the end, relative to its background.{}",
+                "Pressure of the fluid {}, relative to its background.{}",
+                instant(samples, frame.time),
                 slice_words(samples)
             ),
             drawing: snapshots(samples, &[Field { frame, values: pressure }], &bar, false),
@@ -132,6 +134,12 @@ pub(super) fn concentration(frame: &ParticleFrame, k: usize, i: usize) -> f64 {
     let volume = frame.volume.get(i).copied().unwrap_or(f64::NAN);
     let amount = frame.amounts.get(k).and_then(|a| a.get(i)).copied().unwrap_or(f64::NAN);
     if volume > 0.0 { amount / (AVOGADRO * volume) } else { f64::NAN }
+}
+
+/// `at the end`, or at which time before it.
+pub(super) fn instant(samples: &Samples, time: f64) -> String {
+    let end = samples.record.times.last().copied().unwrap_or(time);
+    if time >= end * (1.0 - 1e-9) { "at the end".into() } else { format!("at {}", clock(samples).show(time)) }
 }
 
 fn slice_words(samples: &Samples) -> &'static str {

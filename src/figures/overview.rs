@@ -41,7 +41,7 @@ pub fn overview(samples: &Samples) -> Option<Figure> {
     );
     Some(Figure {
         name: "overview".into(),
-        title: "Concentration at the end and course in time".into(),
+        title: format!("Concentration {} and course in time", fields::instant(samples, frame.time)),
         caption,
         drawing: d,
         raster: true,

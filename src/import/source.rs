@@ -25,7 +25,7 @@ pub(super) fn read(path: &Path) -> Result<Arc<Source>, Fault> {
             return Err(Fault::general(reason, remedy));
         }
     };
-    Ok(Arc::new(Source { path: shown, text: text.trim_start_matches('\u{feff}').to_string() }))
+    Ok(Arc::new(Source::new(shown, text.trim_start_matches('\u{feff}'))))
 }
 
 /// Whether the first line declares Latin 1, whose bytes are the first characters of Unicode.

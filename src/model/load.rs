@@ -70,8 +70,9 @@ struct Changes<'a> {
 impl Changes<'_> {
     /// Puts the changes into a document; `here` is what a path is called in it, if it leads there.
     fn put(&self, root: &mut Node, here: &dyn Fn(&str) -> Option<String>, faults: &mut Faults) {
-        let set =
-            self.overrides.iter().filter_map(|a| here(a)).map(|a| node::set(root, &a)).collect::<Vec<_>>();
+        let overrides = || self.overrides.iter().filter_map(|a| here(a));
+        root.place.source.replace(overrides().flat_map(|a| node::trail(root, &a)).collect());
+        let set = overrides().map(|a| node::set(root, &a)).collect::<Vec<_>>();
         let settings = self.point.unwrap_or_default().iter();
         let swept = settings.filter_map(|s| Some(node::put(root, &here(&s.path)?, s.node.clone(), &s.key)));
         let swept: Vec<_> = swept.collect();
@@ -98,6 +99,7 @@ fn read_document(path: &Path, changes: &Changes) -> Result<Document, ModelError>
         if entries.iter().any(|(k, _)| k.name == "species") && !entries.iter().any(|(k, _)| k.name == "domain"));
     if is_reactions {
         let network = reactions::read(&root, &mut faults);
+        faults.name_keys(&root);
         return match network {
             Some(network) if faults.list.is_empty() => Ok(Document::Reactions(network)),
             _ => Err(faults.into_error()),
@@ -109,6 +111,7 @@ fn read_document(path: &Path, changes: &Changes) -> Result<Document, ModelError>
         overrides: changes.assignments(),
     };
     let model = read(&root, path, changes, &mut text, &mut faults);
+    faults.name_keys(&root);
     match model {
         Some(mut model) if faults.list.is_empty() => {
             text.hash = hash(&text, model.flow.as_ref());
@@ -149,23 +152,21 @@ fn read_file(
 ) -> Result<Arc<Source>, Fault> {
     let shown = path.display().to_string();
     if let Some((_, text)) = known.iter().find(|(path, _)| *path == shown) {
-        return Ok(Arc::new(Source { path: shown, text: text.clone() }));
+        return Ok(Arc::new(Source::new(shown, text.clone())));
     }
-    std::fs::read_to_string(path).map(|text| Arc::new(Source { path: shown.clone(), text })).map_err(
-        |error| {
-            let reason = match error.kind() {
-                std::io::ErrorKind::NotFound => format!("the file {shown} does not exist"),
-                std::io::ErrorKind::InvalidData => format!("the file {shown} is not text in UTF-8"),
-                std::io::ErrorKind::IsADirectory => format!("{shown} is a folder, not a file"),
-                _ => format!("the file {shown} cannot be read: {error}"),
-            };
-            let remedy = "check the path; paths in a model are relative to the model file";
-            match asked_at {
-                Some(place) => Fault::at(place, reason, remedy),
-                None => Fault::general(reason, "give the path of a model or reactions file, a text in YAML"),
-            }
-        },
-    )
+    std::fs::read_to_string(path).map(|text| Arc::new(Source::new(shown.clone(), text))).map_err(|error| {
+        let reason = match error.kind() {
+            std::io::ErrorKind::NotFound => format!("the file {shown} does not exist"),
+            std::io::ErrorKind::InvalidData => format!("the file {shown} is not text in UTF-8"),
+            std::io::ErrorKind::IsADirectory => format!("{shown} is a folder, not a file"),
+            _ => format!("the file {shown} cannot be read: {error}"),
+        };
+        let remedy = "check the path; paths in a model are relative to the model file";
+        match asked_at {
+            Some(place) => Fault::at(place, reason, remedy),
+            None => Fault::general(reason, "give the path of a model or reactions file, a text in YAML"),
+        }
+    })
 }
 
 /// `models/../reactions/x.yaml` -> `reactions/x.yaml`, so that messages show what a user would type.
@@ -330,7 +331,9 @@ fn network(
                 Ok(mut root) => {
                     let here = |path: &str| below_reactions(path).map(str::to_string);
                     changes.put(&mut root, &here, faults);
-                    reactions::read(&root, faults)
+                    let network = reactions::read(&root, faults);
+                    faults.name_keys(&root);
+                    network
                 }
                 Err(error) => {
                     faults.list.extend(error.faults);

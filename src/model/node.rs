@@ -5,7 +5,7 @@
 mod assign;
 mod span;
 
-pub use assign::{put, set};
+pub use assign::{put, set, trail};
 
 use crate::error::{Fault, ModelError, Place, Source};
 use crate::quantity::did_you_mean;
@@ -49,6 +49,21 @@ impl Node {
             Value::Map(entries) => entries.iter().find(|(k, _)| k.name == key).map(|(_, node)| node),
             _ => None,
         }
+    }
+
+    /// The key under which the value at a place stands, or the list that holds it.
+    #[must_use]
+    pub fn key_of(&self, place: &Place) -> Option<&str> {
+        fn search<'a>(node: &'a Node, place: &Place, key: Option<&'a str>) -> Option<&'a str> {
+            match &node.value {
+                Value::Map(entries) => {
+                    entries.iter().find_map(|(inner, node)| search(node, place, Some(&inner.name)))
+                }
+                Value::List(items) => items.iter().find_map(|node| search(node, place, key)),
+                _ => key.filter(|_| node.place.is_same(place)),
+            }
+        }
+        search(self, place, None)
     }
 
     /// What it is, in words, for messages: `the text "x"`, `a list of 3`, `nothing`.
@@ -287,7 +302,7 @@ mod tests {
     use super::*;
 
     fn source(text: &str) -> Arc<Source> {
-        Arc::new(Source { path: "m.yaml".into(), text: text.into() })
+        Arc::new(Source::new("m.yaml", text))
     }
 
     fn at(node: &Node) -> (u32, u32, u32) {

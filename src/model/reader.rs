@@ -34,6 +34,19 @@ impl Faults {
         }
     }
 
+    /// Names the key of each number that is out of its bounds, where the tree knows it.
+    pub fn name_keys(&mut self, root: &super::node::Node) {
+        for fault in &mut self.list {
+            let bounds = fault.reason.contains(" may not be negative, found ")
+                || fault.reason.starts_with("expected a positive ")
+                || fault.reason.starts_with("expected a number from ");
+            let key = fault.place.as_ref().filter(|_| bounds).and_then(|place| root.key_of(place));
+            if let Some(key) = key {
+                fault.reason = format!("\"{key}\": {}", fault.reason);
+            }
+        }
+    }
+
     /// Whether nothing is wrong.
     #[must_use]
     pub fn is_empty(&self) -> bool {

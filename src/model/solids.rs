@@ -67,6 +67,9 @@ pub struct SolidPlaces {
     pub clamped: Option<Place>,
     pub driven: Option<Place>,
     pub softening: Option<Place>,
+    pub growth: Option<Place>,
+    /// What acts on motion only, and its name.
+    pub in_motion: Vec<(&'static str, Place)>,
 }
 
 /// How the particles of a solid are laid out.
@@ -211,6 +214,10 @@ fn solid(
         clamped: place("clamped"),
         driven: place("driven"),
         softening: place("softening"),
+        growth: place("growth"),
+        in_motion: (["drag", "viscosity", "velocity"].into_iter())
+            .filter_map(|key| Some((key, place(key)?)))
+            .collect(),
     };
     if let (Some(Some(Placement::Layers)), Some(at)) = (&placement, place("placement"))
         && !living::is_wall(of, d)

@@ -239,20 +239,21 @@ fn holds<const D: usize>(
     holds
 }
 
-/// Species that soften a solid in which they cannot be.
+/// Species that soften a solid or let it grow in which they cannot be.
 pub(super) fn check_species(plan: &Plan, domain: &ParticleDomain, faults: &mut Vec<Fault>) {
     for solid in &domain.solids {
+        let places = &solid.places;
         let by = [
-            solid.softening.map(|softening| softening.species),
-            solid.growth.and_then(|growth| growth.by).map(|(species, _)| species),
+            (solid.softening.map(|softening| softening.species), &places.softening),
+            (solid.growth.and_then(|growth| growth.by).map(|(species, _)| species), &places.growth),
         ];
-        for species in by.into_iter().flatten() {
+        for (species, place) in by.into_iter().filter_map(|(species, place)| Some((species?, place))) {
             if plan.reactor.habitat[species].holds(solid.group as u8) {
                 continue;
             }
             let name = &domain.groups[solid.group].name;
             faults.push(Fault::at(
-                solid.places.softening.as_ref().unwrap_or(&solid.places.entry),
+                place.as_ref().unwrap_or(&places.entry),
                 format!("`{}` cannot be in `{name}`, which it is to change", plan.reactor.species[species]),
                 "let the group hold it, and name the group in the species' `only_in` if it has one",
             ));

@@ -68,8 +68,13 @@ pub(super) fn vessel<const D: usize>(
             "remove `clamped` and `driven`: it stays where it is",
         );
     }
+    for (name, place) in &solid.places.in_motion {
+        let reason = format!("`{name}` has no effect on what is in balance at every chemistry step");
+        refuse(place, &reason, "remove it, or let the solid move: mechanics: { mode: dynamic }");
+    }
     let Some((wall, _)) = columns::<D>(solid, &domain.groups[solid.group]) else {
-        let remedy = "give the solid placement: layers, and its group the shape of a ring (2D) or spherical shell (3D)";
+        let remedy = "for another solid remove `mechanics`: it then moves, and `drag` brings it to rest; for a closed wall give it \
+                      placement: layers, and its group the shape of a ring (2D) or spherical shell (3D)";
         refuse(entry, "the quasi-static mode is that of closed walls, column by column", remedy);
         return None;
     };
@@ -86,7 +91,8 @@ pub(super) fn vessel<const D: usize>(
         let remedy = format!(
             "a reserve of {MOST_RESERVE} particles is the most; a few times those of the wall are plenty"
         );
-        refuse(entry, "growth.reserve is more than fits in memory", &remedy);
+        let place = solid.places.growth.as_ref().unwrap_or(entry);
+        refuse(place, "growth.reserve is more than fits in memory", &remedy);
         return None;
     }
     let growth = solid.growth.map(|growth| Growth {

@@ -3,34 +3,32 @@
 /// The candidate nearest to `word`, if it is near enough to be what was meant.
 ///
 /// Another case of the same letters wins; otherwise the fewest edits (Damerau-Levenshtein, at most one for
-/// words up to three characters, then a third of the length), and a beginning that is shared breaks ties.
+/// words up to three characters, then a third of the length). Ties are broken by the fewest edits that mind the case,
+/// then by a beginning that is shared.
 #[must_use]
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = word.chars().count();
     let lower = word.to_lowercase();
     let limit = if length <= 3 { 1 } else { 1 + length / 3 };
-    let mut best: Option<(usize, usize, &str)> = None;
+    let mut best: Option<([usize; 3], &str)> = None;
     for candidate in candidates {
         if candidate == word {
             continue;
         }
         let candidate_lower = candidate.to_lowercase();
-        if candidate_lower == lower {
-            return Some(candidate);
-        }
         let edits = strsim::damerau_levenshtein(&lower, &candidate_lower);
         // All letters replaced is no likeness; a long word may still be cut short.
         let cut = length >= 3 && candidate_lower.starts_with(&lower);
-        if (edits > limit || edits >= length.max(candidate.chars().count())) && !cut {
+        if edits > 0 && (edits > limit || edits >= length.max(candidate.chars().count())) && !cut {
             continue;
         }
         let shared = lower.chars().zip(candidate_lower.chars()).take_while(|(a, b)| a == b).count();
-        let key = (edits, usize::MAX - shared, candidate);
-        if best.is_none_or(|b| (key.0, key.1) < (b.0, b.1)) {
-            best = Some(key);
+        let key = [edits, strsim::damerau_levenshtein(word, candidate), usize::MAX - shared];
+        if best.is_none_or(|(least, _)| key < least) {
+            best = Some((key, candidate));
         }
     }
-    best.map(|(_, _, candidate)| candidate)
+    best.map(|(_, candidate)| candidate)
 }
 
 /// `did you mean "x"?`, or nothing.
@@ -52,5 +50,8 @@ mod tests {
         assert_eq!(nearest("Q", keys), None);
         assert_eq!(nearest("viscosity", keys), None);
         assert_eq!(nearest("represent", keys), Some("representation"));
+        let units = ["mPa", "MPa", "Pa"];
+        assert_eq!([nearest("MPaa", units), nearest("mPaa", units)], [Some("MPa"), Some("mPa")]);
+        assert_eq!([nearest("Mpa", units), nearest("pa", units)], [Some("MPa"), Some("Pa")]);
     }
 }

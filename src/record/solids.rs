@@ -32,4 +32,14 @@ pub struct SolidRecord {
     pub driven: usize,
     /// What softens it, in words; empty if nothing does.
     pub softening: String,
+    /// Of a wall in balance with what it encloses, in words: its columns, how well it is in balance, the pressure inside, how
+    /// it grows. Empty for what moves, and where there is none of it.
+    #[serde(default)]
+    pub columns: String,
+    #[serde(default)]
+    pub balance: String,
+    #[serde(default)]
+    pub turgor: String,
+    #[serde(default)]
+    pub growth: String,
 }

@@ -228,7 +228,11 @@ pub fn cost(record: &RunRecord) -> String {
     row("processor time", show(p.cpu_seconds, "s"));
     row("peak memory", format!("{} MiB", significant(p.peak_rss_bytes as f64 / 1_048_576.0, 3)));
     row("threads", p.threads.to_string());
-    let flow = if record.steps.shared_flow { "<p>One flow served every realization.</p>\n" } else { "" };
+    let flow = match (record.steps.shared_flow, record.solids.is_empty() || record.fluid.is_some()) {
+        (true, true) => "<p>One flow served every realization.</p>\n",
+        (true, false) => "<p>The solids moved once, for every realization alike.</p>\n",
+        _ => "",
+    };
     format!(
         "<h2>Steps and cost</h2>\n{}{flow}{}",
         table(&["part", "step", "steps", "limited by"], &[1, 2], &steps),

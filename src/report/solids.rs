@@ -11,7 +11,7 @@ pub fn solids(record: &RunRecord) -> String {
     }
     let number = |x: f64| significant(x, 4);
     type Row = (&'static str, Box<dyn Fn(&SolidRecord) -> String>);
-    let rows: [Row; 13] = [
+    let rows: [Row; 17] = [
         ("particles", Box::new(|s| grouped(s.particles as u64))),
         ("spacing", Box::new(|s| length(s.spacing))),
         ("thickness", Box::new(|s| length(s.thickness))),
@@ -33,14 +33,28 @@ pub fn solids(record: &RunRecord) -> String {
             "clamped, driven particles",
             Box::new(|s| format!("{}, {}", grouped(s.clamped as u64), grouped(s.driven as u64))),
         ),
-        ("softened by", Box::new(|s| if s.softening.is_empty() { "–".into() } else { s.softening.clone() })),
+        ("columns", Box::new(|s| or_none(&s.columns))),
+        ("in balance", Box::new(|s| or_none(&s.balance))),
+        ("turgor", Box::new(|s| or_none(&s.turgor))),
+        ("growth", Box::new(|s| or_none(&s.growth))),
+        ("softened by", Box::new(|s| or_none(&s.softening))),
     ];
     let head: Vec<&str> = std::iter::once("").chain(record.solids.iter().map(|s| s.name.as_str())).collect();
+    // What only walls in balance have is left out where there are none.
+    let told = |of: &dyn Fn(&SolidRecord) -> String| record.solids.iter().any(|s| of(s) != NONE);
     let rows: Vec<Vec<String>> = rows
         .iter()
+        .filter(|(what, of)| !ONLY_BALANCED.contains(what) || told(of))
         .map(|(what, of)| std::iter::once((*what).to_string()).chain(record.solids.iter().map(of)).collect())
         .collect();
     let most = record.health.largest_stretch;
     let most = most.map_or_else(String::new, |s| format!("<p>Largest stretch {}.</p>\n", significant(s, 5)));
     format!("<h3>Elastic solids</h3>\n{}{most}", table(&head, &[], &rows))
+}
+
+const NONE: &str = "–";
+const ONLY_BALANCED: [&str; 4] = ["columns", "in balance", "turgor", "growth"];
+
+fn or_none(words: &str) -> String {
+    if words.is_empty() { NONE.into() } else { words.into() }
 }

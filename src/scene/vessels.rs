@@ -161,9 +161,7 @@ impl<'p, const D: usize> Scene<'p, D> {
     /// Walls in balance know no step of their own: one for each chemistry step, of at most `until` (s).
     #[must_use]
     pub fn vessel_steps(&self, until: f64) -> Vec<StepLimit> {
-        let limit =
-            StepLimit { seconds: until, limited_by: "nothing: in balance at every chemistry step".into() };
-        vec![limit; self.vessels.len()]
+        vec![StepLimit { seconds: until, limited_by: String::new() }; self.vessels.len()]
     }
 
     /// Advances the walls by `duration` (s).

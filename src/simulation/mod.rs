@@ -228,6 +228,17 @@ impl<'p> Ready<'p> {
         }
     }
 
+    /// Warnings of walls that would grow beyond measure in one chemistry step.
+    #[must_use]
+    pub fn rash_growth(&self) -> Vec<String> {
+        match self {
+            Ready::Compartments(_) => Vec::new(),
+            Ready::Line(ready) => ready.rash_growth(),
+            Ready::Plane(ready) => ready.rash_growth(),
+            Ready::Space(ready) => ready.rash_growth(),
+        }
+    }
+
     /// A warning if the chemistry step is too long.
     #[must_use]
     pub fn coarse(&self) -> Option<String> {

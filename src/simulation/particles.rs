@@ -104,6 +104,7 @@ impl<'p, const D: usize> Ready<'p, D> {
         let fluid_seconds = begun.elapsed().as_secs_f64();
         check_amounts(plan, &scene.places())?;
         let start = start(plan, &scene.places());
+        solids::check_softening(plan, &scene, &start)?;
         let frozen = freeze(plan, &scene, &start)?;
         let pull = buoyant_pull(plan, arena, &scene, &start);
         if let Some((step, limited_by)) = &mut fluid {

@@ -135,7 +135,7 @@ impl<const D: usize> Elastic<D> {
             steps: 0,
             tally: Tally::default(),
         };
-        solid.drive(0.0);
+        solid.drive(0.0)?;
         solid.strain()?;
         solid.pull();
         Ok(solid)

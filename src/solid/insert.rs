@@ -218,11 +218,13 @@ fn used_up<const D: usize>(at: &Vector<D>, wall: &Wall<D>, over: f64, time: f64)
         time,
         particle: wall.columns * wall.layers,
         quantity: format!(
-            "all {} columns of the wall are in use, and at ({}) m it needs one more; distance over the longest allowed",
+            "all {} particles of the wall are in use, {} in each of {} columns, and at ({}) m it needs one more; distance over the longest allowed",
+            wall.columns * wall.layers,
+            wall.layers,
             wall.columns,
             place.join(", ")
         ),
         value: over,
-        remedy: "growth outruns insertion: raise growth.reserve, or let it grow less".into(),
+        remedy: "growth outruns insertion: raise growth.reserve (particles), or let it grow less".into(),
     }
 }

@@ -23,7 +23,7 @@ impl<const D: usize> Elastic<D> {
         }
         self.time += dt;
         self.steps += 1;
-        self.drive(dt);
+        self.drive(dt)?;
         self.strain()?;
         self.pull();
         self.kick(0.5 * dt, loaded);
@@ -82,15 +82,34 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// Driven particles to their place of now; their velocity is the mean over the `dt` (s) before.
-    pub(super) fn drive(&mut self, dt: f64) {
+    ///
+    /// # Errors
+    /// [`RunError::BlowUp`] for a displacement that is no finite number.
+    pub(super) fn drive(&mut self, dt: f64) -> Result<(), RunError> {
         let t = self.time;
         for (i, hold) in self.holds.iter().enumerate() {
             if let Hold::Driven(drive) = hold {
-                let before = std::mem::replace(&mut self.displacements[i], drive(&self.places[i], t));
+                let now = drive(&self.places[i], t);
+                if let Some(value) = now.iter().copied().find(|u| !u.is_finite()) {
+                    let place: Vec<String> = self.places[i].iter().map(|x| format!("{x:.4e}")).collect();
+                    return Err(RunError::BlowUp {
+                        step: self.steps,
+                        time: t,
+                        particle: i,
+                        quantity: format!(
+                            "driven displacement in m of the particle at ({}) m at rest",
+                            place.join(", ")
+                        ),
+                        value,
+                        remedy: "driven.displacement is no number there and then: guard it, e.g. sqrt(max(0, ...))".into(),
+                    });
+                }
+                let before = std::mem::replace(&mut self.displacements[i], now);
                 if dt > 0.0 {
                     self.velocities[i] = (self.displacements[i] - before) / dt;
                 }
             }
         }
+        Ok(())
     }
 }

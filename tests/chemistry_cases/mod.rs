@@ -13,7 +13,7 @@ type Side<'a> = &'a [(usize, u32)];
 
 /// A mass-action network in concentrations from (name, diffusivity) and (reactants, products, k).
 pub fn network(species: &[(&str, f64)], reactions: &[(Side, Side, f64)]) -> Network {
-    let source = Arc::new(Source { path: String::from("test"), text: String::new() });
+    let source = Arc::new(Source::new("test", ""));
     let place = Place { source, line: 1, column: 1, width: 1 };
     let species = species.iter().map(|&(name, diffusion)| Species {
         name: String::from(name),

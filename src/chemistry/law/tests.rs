@@ -5,7 +5,7 @@ use rstest::rstest;
 use std::sync::Arc;
 
 fn place(text: &str) -> Place {
-    let source = Arc::new(Source { path: "law".into(), text: text.into() });
+    let source = Arc::new(Source::new("law", text));
     Place { source, line: 1, column: 1, width: 1 }
 }
 

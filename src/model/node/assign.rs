@@ -1,7 +1,7 @@
 //! One value of the tree replaced before it is read: `--set path.to.key=value`, a point of a sweep.
 
 use super::{Key, Node, Value, known_keys, parse_value};
-use crate::error::{Fault, Place, Source};
+use crate::error::{Fault, Place, Replaced, Source};
 use crate::quantity::nearest;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub fn set(root: &mut Node, assignment: &str) -> Result<(), Fault> {
         ));
     };
     // The source is named after the option; its text is the value, so that columns count inside the value.
-    let source = Arc::new(Source { path: shown, text: value.to_string() });
+    let source = Arc::new(Source::new(shown, value));
     let mut node = parse_value(&source)?;
     if node.value == Value::Null {
         node.place = Place { source: source.clone(), line: 1, column: 1, width: 1 };
@@ -45,6 +45,37 @@ pub fn set(root: &mut Node, assignment: &str) -> Result<(), Fault> {
 pub fn put(root: &mut Node, path: &str, node: Node, place: &Place) -> Result<(), Fault> {
     let steps: Vec<&str> = path.split('.').collect();
     place_at(root, &steps, 0, node, place).map_err(|(reason, remedy)| Fault::at(place, reason, remedy))
+}
+
+/// What the value that `path.to.key=value` replaces leaves behind in the text: its line, and where all that it is part of
+/// begins; as far as the path leads in the text of `root`.
+#[must_use]
+pub fn trail(root: &Node, assignment: &str) -> Vec<Replaced> {
+    let path = assignment.split_once('=').map_or(assignment, |(path, _)| path).trim();
+    let by = format!("--set {assignment}");
+    let (mut at, mut found) = (root, Vec::new());
+    let own = |place: &Place| Arc::ptr_eq(&place.source, &root.place.source);
+    let steps: Vec<&str> = path.split('.').collect();
+    for (depth, step) in steps.iter().enumerate() {
+        let (key, inner) = match &at.value {
+            Value::Map(entries) => match entries.iter().find(|(key, _)| key.name == *step) {
+                Some((key, inner)) => (Some(&key.place), inner),
+                None => break,
+            },
+            Value::List(items) => match step.parse::<usize>().ok().and_then(|index| items.get(index)) {
+                Some(inner) => (None, inner),
+                None => break,
+            },
+            _ => break,
+        };
+        let last = depth + 1 == steps.len();
+        for place in key.into_iter().chain([&inner.place]).filter(|place| own(place)) {
+            let column = (!last).then_some(place.column);
+            found.push(Replaced { line: place.line, column, by: by.clone() });
+        }
+        at = inner;
+    }
+    found
 }
 
 /// Reason and remedy of a path that leads nowhere.
@@ -110,7 +141,7 @@ mod tests {
     use super::*;
 
     fn tree(text: &str) -> Node {
-        parse(&Arc::new(Source { path: "m.yaml".into(), text: text.into() })).unwrap()
+        parse(&Arc::new(Source::new("m.yaml", text))).unwrap()
     }
 
     #[test]
@@ -127,6 +158,22 @@ mod tests {
         assert!(run.field("until").unwrap().field("a").is_some());
         let Value::List(items) = &root.field("list").unwrap().value else { panic!("a list") };
         assert_eq!(items[1].value, Value::Text("5 um".into()));
+    }
+
+    #[test]
+    fn faults_tell_what_was_set_where_they_show_the_text() {
+        let mut root = tree("a: 1\nrun: { seed: 1, until: 2 s }\nb: 2\n");
+        root.place.source.replace(trail(&root, "run.until=5 s"));
+        set(&mut root, "run.until=5 s").unwrap();
+        let told = |place: &Place| Fault::at(place, "wrong", "").to_string();
+        let run = root.field("run").unwrap();
+        for place in [&run.place, &run.field("seed").unwrap().place] {
+            assert!(told(place).contains("= with --set run.until=5 s"), "{}", told(place));
+        }
+        assert!(!told(&root.field("b").unwrap().place).contains("with"));
+        let until = told(&run.field("until").unwrap().place);
+        assert!(until.contains("--set run.until=5 s:1:1  wrong") && !until.contains("with"), "{until}");
+        assert_eq!(root.key_of(&run.field("until").unwrap().place), Some("until"));
     }
 
     #[test]

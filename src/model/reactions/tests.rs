@@ -15,7 +15,7 @@ pub(crate) fn network(text: &str) -> Network {
 }
 
 fn read_text(text: &str) -> (Option<Network>, Faults) {
-    let source = Arc::new(Source { path: "r.yaml".into(), text: text.into() });
+    let source = Arc::new(Source::new("r.yaml", text));
     let mut faults = Faults::new();
     let node = parse(&source).unwrap_or_else(|error| panic!("{error}"));
     let network = read(&node, &mut faults);
@@ -210,7 +210,7 @@ proptest::proptest! {
         let end = (at + cut).min(characters.len());
         characters.splice(at..end, put.chars());
         let text: String = characters.into_iter().collect();
-        let source = Arc::new(Source { path: "r.yaml".into(), text });
+        let source = Arc::new(Source::new("r.yaml", text));
         let mut faults = Faults::new();
         match parse(&source) {
             Ok(node) => {

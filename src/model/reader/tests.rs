@@ -5,7 +5,7 @@ use crate::quantity::Dimension;
 use std::sync::Arc;
 
 fn tree(text: &str) -> Node {
-    parse(&Arc::new(Source { path: "m.yaml".into(), text: text.into() })).unwrap_or_else(|e| panic!("{e}"))
+    parse(&Arc::new(Source::new("m.yaml", text))).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn field(text: &str) -> Node {

@@ -8,6 +8,7 @@ use crate::model::names::species_named;
 use crate::model::node::Node;
 use crate::model::reader::{Faults, Fields};
 use crate::quantity::Dimension;
+use crate::quantity::readable::show;
 
 /// A species softens the solid: G = G0 (1 - factor c/at); K stays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +66,18 @@ pub(super) fn softening(node: &Node, network: &Network, faults: &mut Faults) -> 
 /// `{ pressure: 0.2 MPa, stiffness: 0 Pa, rise: 1 s }`.
 pub(super) fn turgor(node: &Node, (group, d, _): Where, faults: &mut Faults) -> Option<Turgor> {
     let mut fields = Fields::of(node, "turgor", faults)?;
-    let pressure = fields.required("pressure", faults).and_then(|n| n.quantity(Dimension::PRESSURE, faults));
+    let pressure = fields.required("pressure", faults).and_then(|n| {
+        let pressure = n.quantity(Dimension::PRESSURE, faults)?;
+        if pressure >= 0.0 {
+            return Some(pressure);
+        }
+        faults.at(
+            &n.place,
+            format!("negative turgor is no turgor: {}", show(pressure, "Pa")),
+            "it presses outwards; give zero or more",
+        );
+        None
+    });
     let mut value = |key: &'static str, dimension| {
         fields.optional(key).map_or(Some(0.0), |n| n.non_negative(dimension, faults))
     };

@@ -1,5 +1,6 @@
 //! The chemistry steps on particles: what bounds them, what they cost in accuracy, and how a run tells of them.
 
+use super::solids::AT_EACH;
 use super::{Ready, event_driven, shortest};
 use crate::chemistry::network::{Surface, SurfaceKind};
 use crate::chemistry::split::{Feed, Frozen, SplittingError, StepBounds, splitting_error, step_bounds};
@@ -75,8 +76,9 @@ impl<const D: usize> Ready<'_, D> {
                 },
             }),
             solid: shortest(&self.solid_steps).map(|limit| StepRecord {
-                step: limit.seconds,
+                step: if self.scene.plan.is_balanced() { longest } else { limit.seconds },
                 count: match self.fluid {
+                    None if self.scene.plan.is_balanced() => ticks,
                     // Several of its own in each step of the fluid.
                     Some(_) => {
                         let each =
@@ -85,7 +87,11 @@ impl<const D: usize> Ready<'_, D> {
                     }
                     None => (self.plan.model.run.until / limit.seconds).ceil() as u64,
                 },
-                limited_by: limit.limited_by.clone(),
+                limited_by: if self.scene.plan.is_balanced() {
+                    AT_EACH.into()
+                } else {
+                    limit.limited_by.clone()
+                },
             }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
