@@ -61,6 +61,31 @@ fn a_wall_grows_and_shares_its_molecules_out() {
     }
 }
 
+/// About 40 molecules in a particle: some are whole numbers, some real amounts, and both divide.
+#[test]
+fn hybrid_species_are_shared_out_whichever_way_they_are_carried() {
+    let bench = Bench::new();
+    let text = CELL
+        .replacen("A: { diffusion: 1 um^2/s }", "A: { diffusion: 1 um^2/s, representation: hybrid }", 1)
+        .replacen(
+            "chemistry: { step: 1 s }",
+            "chemistry: { step: 1 s, hybrid: { above: 38, below: 30 } }",
+            1,
+        );
+    let dir = bench.run(&bench.model("cell.yaml", &text), "out", &[]);
+    assert!(history(&dir, "columns").last() > Some(&60.0));
+    let series = read_series(&dir).unwrap();
+    for time in [0.0, 15.0, 30.0] {
+        let all = amounts(&series, "wall", "A", time);
+        // Part of a molecule may be left over for the next change.
+        assert!(all.iter().all(|n| (n - 5000.0).abs() < 1.0 + 1e-6), "{all:?}");
+    }
+    let record = face::record(&dir);
+    let carried = &record["hybrid"][0];
+    assert!(carried["to_continuous"].as_u64().unwrap() > 0 && carried["to_discrete"].as_u64().unwrap() > 0);
+    assert!(record["health"]["molecules_created_or_lost"].as_f64().unwrap() < 1e-6);
+}
+
 /// What a run of the cell says when it fails, with `from` replaced by `to`.
 fn told(from: &str, to: &str) -> String {
     assert!(CELL.contains(from), "{from}");
@@ -103,7 +128,7 @@ fn what_cannot_be_in_balance_is_said() {
         // At the start, before anything has run.
         (
             "    growth:",
-            "    softening: { by: B, factor: 0.9, at: 1 uM }\n    growth:",
+            "    softening: { by: B, factor: 0.9, at: 50 nM }\n    growth:",
             &["cell.yaml:16:5", "of `B` at", "at the start the shear modulus of `wall`"],
         ),
         (

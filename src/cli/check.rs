@@ -20,7 +20,8 @@ const PAIRS_PER_SECOND: f64 = 5e7;
 const VOXEL_STEPS_PER_SECOND: f64 = 3e6;
 /// Particles of elastic solids that a core takes a step in a second, and rounds of a wall until it is in balance.
 const SOLID_STEPS_PER_SECOND: f64 = 1.5e7;
-const ROUNDS: f64 = 200.0;
+const SOLID_STEPS_IN_SPACE: f64 = 4e6;
+const ROUNDS: f64 = 400.0;
 
 /// Checks a file and prints its plan.
 pub(crate) fn check(file: &Path, overrides: &[String]) -> Result<(), Stop> {
@@ -282,10 +283,10 @@ fn run_time(plan: &Plan, record: &RunRecord, voxels: f64, neighbours: f64) -> St
     let flows = if plan.model.flows_differ() { f64::from(plan.model.run.realizations) } else { 1.0 };
     let fluid = flows
         * steps.fluid.as_ref().map_or(0.0, |s| s.count as f64 * voxels * neighbours * 1.5 / PAIRS_PER_SECOND);
+    let speed = if record.domain.dimensions == 3 { SOLID_STEPS_IN_SPACE } else { SOLID_STEPS_PER_SECOND };
     let rounds = |solid: &SolidRecord| if solid.balance.is_empty() { 1.0 } else { ROUNDS };
     let solids: f64 = record.solids.iter().map(|solid| solid.particles as f64 * rounds(solid)).sum();
-    let fluid = fluid
-        + flows * steps.solid.as_ref().map_or(0.0, |s| s.count as f64 * solids / SOLID_STEPS_PER_SECOND);
+    let fluid = fluid + flows * steps.solid.as_ref().map_or(0.0, |s| s.count as f64 * solids / speed);
     let chemistry = steps.chemistry.as_ref().map_or(0.0, |s| {
         s.count as f64 * voxels * f64::from(plan.model.run.realizations) / VOXEL_STEPS_PER_SECOND
     });

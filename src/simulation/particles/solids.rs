@@ -85,11 +85,11 @@ impl<const D: usize> Ready<'_, D> {
         let Some(growth) = vessel.growth else { return String::new() };
         let by = vessel.by.map_or_else(String::new, |(species, at)| {
             let name = &self.plan.reactor.species[species];
-            format!(" c/({}), c the concentration of {name}", show(at, "mol/m^3"))
+            format!(" times c/({}), c the concentration of {name},", show(at, "mol/m^3"))
         });
         format!(
-            "{} above a stress of {}{by}; new columns at a stretch of {}, {} particles for them",
-            show(vessel.rate, "1/Pa/s"),
+            "{} 1/(Pa s){by} above a stress of {}; new columns at a stretch of {}, {} particles for them",
+            significant(vessel.rate, 4),
             show(growth.yields, "Pa"),
             significant(growth.insert_at, 4),
             growth.reserve * vessel.wall.layers
