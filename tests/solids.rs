@@ -255,6 +255,8 @@ fn a_driven_displacement_that_is_no_number_is_told_at_its_source() {
 #[case("jaumann fluid", &[("    clamped:", "    method: jaumann\n    clamped:"), ("run:", "fluid: { method: sph_bvf, density: 1000 kg/m^3, viscosity: 1 mPa s, speed: 1 mm/s }\nrun:")], "no fluid moves it", "13:5")]
 #[case("jaumann balance", &[("    clamped:", "    method: jaumann\n    clamped:"), ("run:", "mechanics: { mode: quasi_static }\nrun:")], "no balance", "13:5")]
 #[case("jaumann numbers", &[("    clamped:", "    jaumann: { artificial_stress: 0.1 }\n    clamped:")], "add method: jaumann", "13:14")]
+#[case("surface", &[("solids:", "  top: { material: surface, of: bar, shape: { box: { min: [0, 3.9 um], max: [20 um, 4 um] } } }\nsolids:")], "no particle of the solid `bar`", "7:3")]
+#[case("surface of", &[("solids:", "  rest: { shape: everything_else }\n  top: { material: surface, of: rest, shape: { box: { min: [0, 3 um], max: [20 um, 4 um] } } }\nsolids:")], "no elastic solid", "8:3")]
 #[case("species", &[("    clamped:", "    softening: { by: E, factor: 1, at: 1 uM }\n    clamped:"), ("{ representation", "{ only_in: [rest], representation"), ("solids:", "  rest: { shape: everything_else }\nsolids:")], "cannot be in `bar`", "14:5")]
 fn faults_are_told_with_their_place(
     #[case] name: &str,

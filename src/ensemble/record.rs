@@ -138,6 +138,7 @@ fn domain(plan: &Plan) -> DomainRecord {
                             (Material::Zone, _) => "zone",
                             (Material::Wall { .. }, _) => "wall",
                             (Material::Solid, _) => "solid",
+                            (Material::Surface, _) => "surface",
                             (Material::Fluid, true) => "fluid",
                             (Material::Fluid, false) => "static",
                         }

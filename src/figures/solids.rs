@@ -40,13 +40,15 @@ pub fn is_outline(samples: &Samples, probe: &str) -> bool {
     names(samples).into_iter().any(|name| outline(name) == probe)
 }
 
-/// Whether each particle is of a solid. A zone takes particles of a solid into its own group: those of its particles that
-/// are ever stressed or stretched belong to the solid that is next by number.
+/// Whether each particle is of a solid. Surfaces and zones take particles of a solid into their own group: those that are
+/// ever stressed or stretched belong to the solid that is next by number.
 fn members(samples: &Samples, name: &str) -> Vec<bool> {
     let frames = &samples.frames;
     let count = frames.iter().map(ParticleFrame::len).max().unwrap_or(0);
-    let zone =
-        |group: &str| samples.record.domain.groups.iter().any(|g| g.name == group && g.material == "zone");
+    let groups = &samples.record.domain.groups;
+    let zone = |group: &str| {
+        groups.iter().any(|g| g.name == group && (g.material == "zone" || g.material == "surface"))
+    };
     let solid = |group: &str| names(samples).contains(&group);
     let ever = |of: &dyn Fn(&ParticleFrame, usize) -> bool| -> Vec<bool> {
         (0..count).map(|i| frames.iter().any(|f| i < f.len() && of(f, i))).collect()

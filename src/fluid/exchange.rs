@@ -1,6 +1,7 @@
 //! Conductances between particles: how strongly two voxels exchange molecules by diffusion.
 
 use crate::chemistry::Links;
+use crate::fluid::edges::Edges;
 use crate::fluid::outline::Behind;
 use crate::fluid::surface::{Facing, NEAREST};
 use crate::fluid::weights::Weights;
@@ -59,7 +60,8 @@ pub struct Exchange {
 /// on a line, where conductances stand in series). The normalised weights are therefore tilted once towards the
 /// thinner side, F_ij (1 + (b_i - b_j)·x_ij), b_i = -Σ_j V_j F_ij x_ij / alpha_i with x_ij = x_j - x_i, so that
 /// Σ_j G_ij x_ij all but vanishes; this is as symmetric as F, and kept positive. On a lattice b is zero. Next to
-/// what no molecule enters and no image stands for there is no balance to restore, and b is zero too.
+/// what no molecule enters and no image stands for there is no balance to restore, and b is zero too: there weights
+/// depend on the direction as well (`edges`).
 ///
 /// What reflects a voxel faces by the areas of [`surface`](crate::fluid::surface).
 #[must_use]
@@ -151,8 +153,10 @@ pub fn exchange<const D: usize>(
         pull[i] += own_pull;
     }
     if weights == Weights::Normalised {
-        for ((b, alpha), open) in pull.iter_mut().zip(&alpha).zip(&open) {
-            *b = if *open && *alpha > WHOLE { *b / *alpha } else { Vector::zeros() };
+        let edge = at_edge(&met, hosts, &alpha, &open);
+        let mut edges = Edges::new(&edge, &pull);
+        for ((b, alpha), edge) in pull.iter_mut().zip(&alpha).zip(&edge) {
+            *b = if !*edge && *alpha > WHOLE { *b / *alpha } else { Vector::zeros() };
         }
         alpha.fill(0.0);
         for pair in &mut met {
@@ -162,8 +166,14 @@ pub fn exchange<const D: usize>(
             pair.f *= (1.0 - (pull[i] - other).dot(&pair.x)).max(LEAST);
             let r2 = pair.x.norm_squared();
             alpha[i] += volumes[j] * pair.f * r2 / D as f64;
+            edges.add(i, volumes[j] * pair.f, &pair.x);
             if i != j {
                 alpha[j] += volumes[i] * pair.f * r2 / D as f64;
+                edges.add(
+                    j,
+                    volumes[i] * pair.f,
+                    &mirrored(&pair.x, &places[pair.image as usize], &places[j], domain),
+                );
             }
         }
         for back in &mut behind {
@@ -173,8 +183,24 @@ pub fn exchange<const D: usize>(
             });
             back.tilt(&pull[i], &other);
             alpha[i] += volumes[j] * back.f[0] * back.x[0].norm_squared() / D as f64;
+            edges.add(i, volumes[j] * back.f[0], &back.x[0]);
             if i != j {
                 alpha[j] += volumes[i] * back.f[1] * back.x[1].norm_squared() / D as f64;
+                edges.add(j, volumes[i] * back.f[1], &back.x[1]);
+            }
+        }
+        if !edges.is_empty() {
+            edges.solve();
+            for pair in &mut met {
+                let (i, j) = (pair.i as usize, pair.j as usize);
+                let there = mirrored(&pair.x, &places[pair.image as usize], &places[j], domain);
+                let factor = edges.factor([i, j], [&pair.x, &there], [alpha[i], alpha[j]]);
+                pair.f *= factor.unwrap_or(1.0);
+            }
+            for back in &mut behind {
+                let (i, j) = (back.i as usize, back.j as usize);
+                let factor = edges.factor([i, j], [&back.x[0], &back.x[1]], [alpha[i], alpha[j]]);
+                back.f = back.f.map(|f| f * factor.unwrap_or(1.0));
             }
         }
     }
@@ -230,6 +256,18 @@ pub fn exchange<const D: usize>(
     let obstacles =
         outlines.iter().zip(&areas).map(|(outline, areas)| outline.facing(areas, nearest)).collect();
     Exchange { links: both_ways(n, &pairs), sides, obstacles }
+}
+
+/// Voxels whose neighbours end where no image stands for what is missing, or that reach others whose do.
+fn at_edge<const D: usize>(met: &[Met<D>], hosts: &[bool], alpha: &[f64], open: &[bool]) -> Vec<bool> {
+    let bare = |i: usize| hosts[i] && alpha[i] <= WHOLE;
+    let mut edge: Vec<bool> = (0..alpha.len()).map(|i| hosts[i] && (bare(i) || !open[i])).collect();
+    for pair in met {
+        let (i, j) = (pair.i as usize, pair.j as usize);
+        edge[i] |= bare(j);
+        edge[j] |= bare(i);
+    }
+    edge
 }
 
 /// The [`Links`] of [`exchange`].

@@ -14,7 +14,7 @@
 //! | [`open`], `buffers` | ends where particles enter and leave; what is prescribed beyond them |
 //! | [`observe`], `thermometer` | snapshots and health of a flow; its temperature |
 //! | [`weights`], [`exchange`], [`interpolate`] | conductances for the chemistry, ours and as printed; fields at points |
-//! | `outline`, [`surface`] | mirror images behind obstacles; what voxels face of a surface |
+//! | `outline`, `edges`, [`surface`] | mirror images behind obstacles; where voxels end without; what they face of a surface |
 //!
 //! Sources: Jacob et al. 2021 (SPH-BVF); Adami, Hu & Adams 2012, 2013; Antuono et al. 2010. All SI.
 
@@ -24,6 +24,7 @@ pub mod bodies;
 mod buffers;
 pub mod candidates;
 pub mod deform;
+mod edges;
 pub mod elastic;
 pub mod exchange;
 mod fault;

@@ -1,7 +1,7 @@
 //! The `groups:` of a model: named particles with material and shape.
 
 use super::domain::Sections;
-use super::names::{axis_name, species_named};
+use super::names::{axis_name, group_index, species_named};
 use super::node::{Key, Node};
 use super::reader::{Faults, Fields};
 use super::shapes;
@@ -23,6 +23,16 @@ pub enum Material {
     Solid,
     /// A region that particles of other groups pass through; owns no particles.
     Zone,
+    /// Those particles of an elastic solid that lie in the shape at rest; they move with it.
+    Surface,
+}
+
+impl Material {
+    /// Whether groups of it are filled with particles of their own.
+    #[must_use]
+    pub fn is_filled(self) -> bool {
+        !matches!(self, Material::Zone | Material::Surface)
+    }
 }
 
 /// A named group of particles.
@@ -38,6 +48,8 @@ pub struct Group {
     pub jitter: f64,
     /// Indices of the species that may live here; all if `None`.
     pub holds: Option<Vec<usize>>,
+    /// The solid whose particles these are, of a surface.
+    pub of: Option<usize>,
     pub place: Place,
     /// Whether only its name is known.
     pub unread: bool,
@@ -49,6 +61,7 @@ enum MaterialName {
     Wall,
     Solid,
     Zone,
+    Surface,
 }
 
 /// Reads all groups.
@@ -70,6 +83,7 @@ pub(super) fn read(
             spacing,
             jitter: 0.0,
             holds: None,
+            of: None,
             place: sections.domain.place.clone(),
             unread: false,
         };
@@ -78,6 +92,7 @@ pub(super) fn read(
     };
     let fields = Fields::of(node, "groups", faults)?;
     let mut found: Vec<Group> = Vec::new();
+    let names: Vec<String> = fields.entries().iter().map(|(key, _)| key.name.clone()).collect();
     for (key, node) in fields.entries() {
         if key.name == "all" || key.name == "boundary" {
             faults.at(
@@ -87,7 +102,7 @@ pub(super) fn read(
             );
         }
         // A group with a fault stays known by its name, so that its uses are not reported as well.
-        let read = group(&key.name, &key.place, node, d, spacing, network, faults);
+        let read = group(&key.name, &key.place, node, d, (spacing, &names, network), faults);
         found.push(read.unwrap_or_else(|| unread(key, spacing)));
     }
     if found.len() > 60 {
@@ -99,7 +114,7 @@ pub(super) fn read(
     }
     let rest = found
         .iter()
-        .filter(|group| group.shape == Shape::EverythingElse && group.material != Material::Zone)
+        .filter(|group| group.shape == Shape::EverythingElse && group.material.is_filled())
         .count();
     if rest > 1 {
         let place =
@@ -112,6 +127,14 @@ pub(super) fn read(
     }
     for group in &found {
         check_fit(group, d, corners, faults);
+        let solid = group.of.and_then(|g| found.get(g));
+        if let Some(solid) = solid.filter(|solid| solid.material != Material::Solid && !solid.unread) {
+            faults.at(
+                &group.place,
+                format!("`{}` is a surface of `{}`, which is no elastic solid", group.name, solid.name),
+                "name a group of material: solid in its `of`",
+            );
+        }
     }
     Some(found)
 }
@@ -126,6 +149,7 @@ fn unread(key: &Key, spacing: f64) -> Group {
         spacing,
         jitter: 0.0,
         holds: None,
+        of: None,
         place: key.place.clone(),
         unread: true,
     }
@@ -134,7 +158,9 @@ fn unread(key: &Key, spacing: f64) -> Group {
 /// A square lattice must fit the box in whole cells.
 fn check_fit(group: &Group, d: usize, (min, max): (&Vector<3>, &Vector<3>), faults: &mut Faults) {
     // A solid has a lattice that fits its own shape.
-    if matches!(group.material, Material::Zone | Material::Solid) || group.lattice != Lattice::Square {
+    if matches!(group.material, Material::Zone | Material::Solid | Material::Surface)
+        || group.lattice != Lattice::Square
+    {
         return;
     }
     for k in 0..d {
@@ -162,8 +188,7 @@ fn group(
     place: &Place,
     node: &Node,
     d: usize,
-    default_spacing: f64,
-    network: &Network,
+    (default_spacing, names, network): (f64, &[String], &Network),
     faults: &mut Faults,
 ) -> Option<Group> {
     let mut fields = Fields::of(node, &format!("group `{name}`"), faults)?;
@@ -172,6 +197,7 @@ fn group(
         ("wall", MaterialName::Wall),
         ("solid", MaterialName::Solid),
         ("zone", MaterialName::Zone),
+        ("surface", MaterialName::Surface),
     ];
     let material = match fields.optional("material") {
         None => MaterialName::Fluid,
@@ -180,7 +206,14 @@ fn group(
     let shape = fields.required("shape", faults).and_then(|n| shapes::read(n, d, faults));
     let mut lattice = Lattice::Square;
     let (mut spacing, mut jitter, mut holds) = (default_spacing, 0.0, None);
-    if !matches!(material, MaterialName::Zone) {
+    let of = match material {
+        MaterialName::Surface => {
+            let n = fields.required("of", faults)?;
+            Some(group_index(n.text(faults)?, &n.place, names, faults)?)
+        }
+        _ => None,
+    };
+    if !matches!(material, MaterialName::Zone | MaterialName::Surface) {
         if let Some(n) = fields.optional("lattice") {
             lattice = n.choice(&[("square", Lattice::Square), ("rings", Lattice::Rings)], faults)?;
             let round = matches!(shape, Some(Shape::Ball { .. } | Shape::Shell { .. }) | None);
@@ -214,9 +247,9 @@ fn group(
                 );
             }
         }
-        if let Some(n) = fields.optional("holds") {
-            holds = species_held(n, network, faults);
-        }
+    }
+    if let (false, Some(n)) = (matches!(material, MaterialName::Zone), fields.optional("holds")) {
+        holds = species_held(n, network, faults);
     }
     let free_slip = match (material, fields.optional("slip")) {
         (_, None) => false,
@@ -232,6 +265,7 @@ fn group(
         MaterialName::Wall => Material::Wall { free_slip },
         MaterialName::Solid => Material::Solid,
         MaterialName::Zone => Material::Zone,
+        MaterialName::Surface => Material::Surface,
     };
     Some(Group {
         name: name.into(),
@@ -241,6 +275,7 @@ fn group(
         spacing,
         jitter,
         holds,
+        of,
         place: place.clone(),
         unread: false,
     })

@@ -14,7 +14,7 @@ pub(super) use points::{check_names, read as read_points};
 use super::domain::{KERNELS, ParticleDomain, Sections};
 use super::fluid::field::{self, Field};
 use super::fluid::velocity::{self, Velocity};
-use super::groups::Material as GroupMaterial;
+use super::groups::{Group, Material as GroupMaterial};
 use super::names::group_index;
 use super::node::{Key, Node};
 use super::reader::{Faults, Fields};
@@ -169,7 +169,8 @@ pub(super) fn read(
         faults.at(&node.place, "`mechanics` is that of elastic solids, and there are none", "remove it");
     }
     for solid in &found {
-        domain.groups[solid.group].spacing = solid.spacing;
+        let own = |(g, group): &(usize, &mut Group)| *g == solid.group || group.of == Some(solid.group);
+        domain.groups.iter_mut().enumerate().filter(own).for_each(|(_, group)| group.spacing = solid.spacing);
     }
     found
 }

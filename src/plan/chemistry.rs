@@ -248,7 +248,7 @@ fn may_hold(model: &Model, reactor: &Reactor, g: usize, classes: &[u8], s: usize
         && domain.groups[g].material == Material::Zone
     {
         return domain.groups.iter().enumerate().any(|(other, group)| {
-            matches!(group.material, Material::Fluid | Material::Solid)
+            matches!(group.material, Material::Fluid | Material::Solid | Material::Surface)
                 && reactor.habitat[s].holds(other as u8)
         });
     }

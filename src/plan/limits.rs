@@ -1,7 +1,7 @@
 //! What would not fit: memory and numbers of steps.
 
 use crate::error::{Fault, ModelError};
-use crate::model::{Domain, Integrator, Material, Model};
+use crate::model::{Domain, Integrator, Model};
 
 /// More steps than this are refused.
 pub const MOST_STEPS: f64 = 1e9;
@@ -32,7 +32,7 @@ pub fn estimate(model: &Model, realizations: u32) -> Estimate {
             let count: f64 = domain
                 .groups
                 .iter()
-                .filter(|group| group.material != Material::Zone)
+                .filter(|group| group.material.is_filled())
                 .map(|group| {
                     let (low, high) = group.shape.bounds(&domain.min, &domain.max);
                     content(&low, &high) / group.spacing.powi(d)

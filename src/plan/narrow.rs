@@ -179,8 +179,7 @@ fn hollow<const D: usize>(
     let filled = |x: &Vector<D>| {
         plan.domain.is_beyond(x)
             || domain.groups.iter().any(|group| {
-                group.material != Material::Zone
-                    && group.shape.signed_distance(&embed(&plan.domain.wrap(x))) <= 0.0
+                group.material.is_filled() && group.shape.signed_distance(&embed(&plan.domain.wrap(x))) <= 0.0
             })
     };
     let mut found = None;

@@ -102,9 +102,9 @@ impl<const D: usize> ParticlePlan<D> {
         };
         let mut elastic: Vec<Option<SolidPlan<D>>> = vec![None; domain.solids.len()];
         let mut random = stream(model.run.seed, 0, Purpose::Placement);
-        let solid: Vec<&Group> = domain.groups.iter().filter(|g| g.material != Material::Zone).collect();
+        let solid: Vec<&Group> = domain.groups.iter().filter(|g| g.material.is_filled()).collect();
         for (g, group) in domain.groups.iter().enumerate() {
-            if group.material == Material::Zone {
+            if !group.material.is_filled() {
                 continue;
             }
             let others =
@@ -157,10 +157,14 @@ impl<const D: usize> ParticlePlan<D> {
                 elastic[k] = Some(solids::solid(domain, &domain.solids[k], at, &found, faults));
             }
             let volume = found.first().map_or(0.0, |one| one.1);
+            let parts: Vec<(usize, &Group)> =
+                domain.groups.iter().enumerate().filter(|(_, part)| part.of == Some(g)).collect();
             for (position, volume) in found {
                 particles.push(Placed { position, volume, body: body as u8 });
-                home.push(g as u8);
+                let part = parts.iter().find(|(_, part)| part.shape.holds(&embed(&position)));
+                home.push(part.map_or(g, |(part, _)| *part) as u8);
             }
+            check_parts(group, &parts, &home, faults);
             let vessel = described.and_then(|k| {
                 let growth = domain.solids[k].growth.as_ref();
                 elastic[k].as_ref()?.vessel.as_ref().map(|vessel| (vessel, growth))
@@ -249,7 +253,7 @@ impl<const D: usize> ParticlePlan<D> {
     /// Whether the particles of a home group are fluid that flows.
     #[must_use]
     pub fn flows(&self, home: u8) -> bool {
-        self.flow.is_some() && !self.is_wall(home) && !self.solids.iter().any(|solid| solid.group == home)
+        self.flow.is_some() && !self.is_wall(home) && !self.solids.iter().any(|solid| solid.owns(home))
     }
 
     /// A particle is in one zone at a time.
@@ -451,7 +455,7 @@ fn too_near(domain: &ParticleDomain, group: &Group, x: &Vector<3>) -> bool {
 /// Whether a group has a shape of its own and stays in it.
 fn stays(domain: &ParticleDomain, g: usize, group: &Group) -> bool {
     let solid = match group.material {
-        Material::Zone | Material::Solid => false,
+        Material::Zone | Material::Solid | Material::Surface => false,
         Material::Fluid => domain.fluid.is_none(),
         Material::Wall { .. } => !domain.conditions.iter().any(|condition| {
             matches!(&condition.what, What::MovingWall { wall: WallName::Group(moved), motion }
@@ -467,8 +471,7 @@ fn wall_body<const D: usize>(domain: &ParticleDomain, g: usize, group: &Group, f
     let surface: crate::fluid::setup::Surface<D> = match group.shape {
         // What no other group claims begins where they end.
         Shape::EverythingElse => {
-            let others =
-                domain.groups.iter().filter(|o| o.material != Material::Zone && o.name != group.name);
+            let others = domain.groups.iter().filter(|o| o.material.is_filled() && o.name != group.name);
             let shapes: Vec<Shape> = others.map(|other| other.shape.clone()).collect();
             Arc::new(move |x: &Vector<D>| {
                 let place = embed(x);
@@ -484,6 +487,25 @@ fn wall_body<const D: usize>(domain: &ParticleDomain, g: usize, group: &Group, f
             motion: motion(domain, WallName::Group(g)),
             surface: Some(surface),
         },
+    }
+}
+
+/// Surfaces of a solid need particles of it, and so does what is left.
+fn check_parts(solid: &Group, parts: &[(usize, &Group)], home: &[u8], faults: &mut Vec<Fault>) {
+    for (g, part) in parts {
+        if !home.contains(&(*g as u8)) {
+            faults.push(Fault::at(
+                &part.place,
+                format!(
+                    "no particle of the solid `{}` lies in its surface `{}` at rest",
+                    solid.name, part.name
+                ),
+                format!(
+                    "make the shape deeper: particles lie {} and more below the surface of the solid",
+                    length(0.5 * solid.spacing)
+                ),
+            ));
+        }
     }
 }
 

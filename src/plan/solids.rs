@@ -23,6 +23,8 @@ const FEWEST: f64 = 3.0;
 #[derive(Clone)]
 pub struct SolidPlan<const D: usize> {
     pub group: u8,
+    /// Groups of those particles that are a surface of it.
+    pub surfaces: Vec<u8>,
     pub name: String,
     /// Number of its first particle; the others follow.
     pub first: usize,
@@ -42,6 +44,12 @@ pub struct SolidPlan<const D: usize> {
 }
 
 impl<const D: usize> SolidPlan<D> {
+    /// Whether the particles of a home group are of this solid.
+    #[must_use]
+    pub fn owns(&self, home: u8) -> bool {
+        self.group == home || self.surfaces.contains(&home)
+    }
+
     /// The total-Lagrangian solid at t = 0.
     ///
     /// # Errors
@@ -108,6 +116,10 @@ pub(super) fn solid<const D: usize>(
     check_thickness(domain, solid, (thickness, at), faults);
     SolidPlan {
         group: solid.group as u8,
+        surfaces: (0..domain.groups.len())
+            .filter(|&g| domain.groups[g].of == Some(solid.group))
+            .map(|g| g as u8)
+            .collect(),
         name: group.name.clone(),
         first,
         body: body as u8,

@@ -179,7 +179,8 @@ pub fn start(plan: &Plan, voxels: &Voxels) -> Start {
 /// Whether the particles of a home group are part of an elastic solid.
 fn in_solid(plan: &Plan, home: u8) -> bool {
     let Domain::Particles(domain) = &plan.model.domain else { return false };
-    domain.groups.get(usize::from(home)).is_some_and(|group| group.material == Material::Solid)
+    let elastic = |material| matches!(material, Material::Solid | Material::Surface);
+    domain.groups.get(usize::from(home)).is_some_and(|group| elastic(group.material))
 }
 
 /// Refuses fields that are negative or undefined somewhere, and more whole molecules than can be counted.

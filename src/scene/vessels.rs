@@ -12,12 +12,13 @@ use serde::{Deserialize, Serialize};
 pub struct VesselBody<const D: usize> {
     /// Its number among the solids of the plan.
     pub number: usize,
-    pub group: u8,
     /// Number of its first particle; the others follow, then those in reserve.
     pub first: usize,
     pub vessel: Vessel<D>,
     /// φ of each particle, 1/(Pa s).
     phi: Vec<f64>,
+    /// Home group of each particle: the wall or one of its surfaces.
+    homes: Vec<u8>,
     course: Course,
     /// All births so far, numbered as the particles of the plan.
     born: Vec<Birth>,
@@ -39,6 +40,7 @@ pub struct Course {
 pub struct VesselImage<const D: usize> {
     vessel: VesselState<D>,
     phi: Vec<f64>,
+    homes: Vec<u8>,
     course: Course,
     born: Vec<Birth>,
     time_ratio: f64,
@@ -46,13 +48,17 @@ pub struct VesselImage<const D: usize> {
 
 impl<const D: usize> VesselBody<D> {
     /// The wall of a plan at t = 0, in balance.
-    fn new(plan: &SolidPlan<D>, vessel: &VesselPlan<D>, number: usize) -> Result<VesselBody<D>, RunError> {
+    fn new(
+        plan: &SolidPlan<D>,
+        vessel: &VesselPlan<D>,
+        (number, homes): (usize, &[u8]),
+    ) -> Result<VesselBody<D>, RunError> {
         let phi = if vessel.by.is_none() { vessel.rate } else { 0.0 };
         let mut body = VesselBody {
             number,
-            group: plan.group,
             first: plan.first,
             phi: vec![phi; plan.setup.places.len()],
+            homes: homes[plan.first..][..plan.setup.places.len()].to_vec(),
             vessel: Vessel::new(
                 plan.setup.clone(),
                 vessel.wall.clone(),
@@ -78,6 +84,7 @@ impl<const D: usize> VesselBody<D> {
         VesselImage {
             vessel: self.vessel.image(),
             phi: self.phi.clone(),
+            homes: self.homes.clone(),
             course: self.course,
             born: self.born.clone(),
             time_ratio: self.time_ratio,
@@ -86,15 +93,21 @@ impl<const D: usize> VesselBody<D> {
 
     fn restore(&mut self, image: VesselImage<D>) -> Option<()> {
         self.vessel.restore(image.vessel)?;
-        (self.phi, self.course, self.time_ratio) = (image.phi, image.course, image.time_ratio);
-        self.born = image.born;
-        (self.phi.len() == self.vessel.solid.len()).then_some(())
+        (self.phi, self.homes, self.born) = (image.phi, image.homes, image.born);
+        (self.course, self.time_ratio) = (image.course, image.time_ratio);
+        ([self.phi.len(), self.homes.len()] == [self.vessel.solid.len(); 2]).then_some(())
     }
 
     /// One chemistry step of `dt` (s); the births, numbered as the particles of the plan.
     fn advance(&mut self, dt: f64) -> Result<Vec<Birth>, RunError> {
         let births = self.vessel.advance(dt, &self.phi)?;
         self.phi.resize(self.vessel.solid.len(), 0.0);
+        for birth in &births {
+            // It lies between its donors, in the same layer.
+            let [a, b] = birth.donors;
+            let donor = if a.1 >= b.1 { a.0 } else { b.0 };
+            self.homes.push(self.homes[donor]);
+        }
         self.course.steps += 1;
         self.course.escapes += self.vessel.escapes() as u64;
         self.course.largest_stretch = self.course.largest_stretch.max(self.vessel.largest_stretch());
@@ -143,7 +156,7 @@ impl<'p, const D: usize> Scene<'p, D> {
     pub(super) fn build_vessels(plan: &'p ParticlePlan<D>) -> Result<Vec<VesselBody<D>>, RunError> {
         let all = plan.solids.iter().enumerate();
         all.filter_map(|(number, solid)| Some((number, solid, solid.vessel.as_ref()?)))
-            .map(|(number, solid, vessel)| VesselBody::new(solid, vessel, number))
+            .map(|(number, solid, vessel)| VesselBody::new(solid, vessel, (number, &plan.home)))
             .collect()
     }
 
@@ -203,10 +216,10 @@ impl<'p, const D: usize> Scene<'p, D> {
         }
     }
 
-    /// Particles that have left the reserve belong to the group of their wall.
+    /// Particles that have left the reserve belong to the group of their donors.
     pub(super) fn house_vessels(&mut self) {
         for body in &self.vessels {
-            self.home[body.first..body.first + body.vessel.solid.len()].fill(body.group);
+            self.home[body.first..][..body.homes.len()].copy_from_slice(&body.homes);
         }
     }
 

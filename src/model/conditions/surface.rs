@@ -90,7 +90,7 @@ pub(super) fn surface_named(
         let group = &domain.groups[g];
         let flows = group.material == Material::Fluid && domain.fluid.is_some();
         let shapeless = group.shape == crate::geometry::Shape::EverythingElse;
-        if group.material == Material::Zone || flows || shapeless {
+        if !group.material.is_filled() || flows || shapeless {
             faults.at(
                 &node.place,
                 format!("`{}` has no surface of its own", group.name),
