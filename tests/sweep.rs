@@ -245,7 +245,7 @@ fn a_point_that_fails_does_not_stop_the_others() {
 #[case::dimension("{ k: [1 1/s, 2 um] }", &["11:21  expected rate (1/s) as in the reactions, found length (m)"])]
 #[case::dimension_of_an_end("{ k: logspace(1 1/s, 2 um, 3) }", &["11:29  expected rate (1/s)"])]
 #[case::dimension_elsewhere("{ domain.volume: [1 fL, 2 um] }", &["11:32  expected a volume"])]
-#[case::value("{ domain.volume: linspace(-1 fL, 1 fL, 2) }", &["11:25  expected a positive volume"])]
+#[case::value("{ domain.volume: linspace(-1 fL, 1 fL, 2) }", &["11:25  \"volume\": expected a positive volume"])]
 #[case::both_at_once("{ k: [], domain.volume: [2 um] }", &["11:13  an empty list", "11:33  expected a volume"])]
 #[case::empty("{ k: [] }", &["11:13  an empty list of values"])]
 #[case::nothing("{}", &["11:8  a sweep over nothing"])]

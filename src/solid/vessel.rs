@@ -176,13 +176,11 @@ impl<const D: usize> Vessel<D> {
             while left > 1e-9 * dt {
                 left -= self.grow(left, &phi)?;
                 let new = self.insert()?;
-                // Where two halves of a face meet both ends gave as much matter, so it holds the mean of their species.
-                phi.extend(
-                    new.iter()
-                        .map(|birth| birth.donors)
-                        .map(|[a, b]| 0.5 * (phi[a.0] + phi[b.0]))
-                        .collect::<Vec<_>>(),
-                );
+                // Both ends of the edge gave as much matter, so it holds the mean of what they hold. They may be new themselves.
+                for birth in &new {
+                    let [a, b] = birth.donors;
+                    phi.push(0.5 * (phi[a.0] + phi[b.0]));
+                }
                 births.extend(new);
             }
         }

@@ -313,6 +313,20 @@ fn columns_come_in_as_fast_as_the_wall_grows_whatever_the_step() {
 }
 
 #[test]
+fn columns_that_have_just_come_in_can_divide_at_once() {
+    let growth = Growth { yields: 1.0, insert_at: 1.2, reserve: 400 };
+    let mut vessel = vessel::<2>(0.75, 3, 60.0, 1.0, Some(growth));
+    vessel.relaxation.tolerance = 1e-4;
+    vessel.relax(0.0).unwrap();
+    // As if it had been three times as fine at the start: each edge is split twice.
+    vessel.start.1 = vessel.start.1.map(|edge| edge / 3.0);
+    let n = vessel.solid.len();
+    let births = vessel.advance(1e-3, &vec![0.01; n]).unwrap();
+    assert!(births.iter().any(|birth| birth.donors.iter().any(|donor| donor.0 >= n)));
+    assert!(vessel.imbalance().abs() < 1e-12 && vessel.wall.columns >= 4 * n / 3);
+}
+
+#[test]
 fn a_vessel_goes_on_from_a_state_as_if_nothing_had_been() {
     let growth = Growth { yields: 1.0, insert_at: 1.2, reserve: 200 };
     let new = || vessel::<2>(0.75, 3, 20.0, 1.0, Some(growth));
