@@ -7,7 +7,7 @@ mod snapshots;
 use super::{Figure, Samples};
 use crate::tables::{ParticleFrame, ProbeRows};
 
-pub use courses::{courses, ends, round};
+pub use courses::{Course, courses, ends, round};
 
 /// Figures of every elastic solid, and of the points that were followed.
 pub fn solids(samples: &Samples) -> Vec<Figure> {

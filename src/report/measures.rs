@@ -4,7 +4,7 @@
 use super::html::table;
 use super::sections::{Check, Verdict};
 use crate::figures::Samples;
-use crate::figures::solids::{courses, ends, names, round, words};
+use crate::figures::solids::{Course, courses, ends, names, round, words};
 use crate::quantity::readable::{grouped, show, significant};
 
 /// Relative deviation of a solid's mass from what it had and was given.
@@ -16,13 +16,16 @@ const TIMES: f64 = 1e-3;
 pub fn measures(samples: &Samples) -> String {
     let mut out = String::new();
     for name in names(samples) {
-        let mut several = false;
-        let rows: Vec<Vec<String>> = courses(samples, name)
-            .iter()
-            .filter(|course| !course.times.is_empty())
+        // A wall in balance has none.
+        let rests = |course: &Course| {
+            course.quantity == "kinetic_energy" && course.values.iter().flatten().all(|v| *v == 0.0)
+        };
+        let found = courses(samples, name);
+        let seen = || found.iter().filter(|course| !course.times.is_empty() && !rests(course));
+        let several = seen().any(|course| course.values.len() > 1);
+        let rows: Vec<Vec<String>> = seen()
             .map(|course| {
                 let [mean, q05, q95, low, high] = ends(course);
-                several |= course.values.len() > 1;
                 // What has no unit stays a plain number.
                 let tell = |v: f64| match course.unit.as_str() {
                     "" | "1" => significant(v, 4),
@@ -37,14 +40,21 @@ pub fn measures(samples: &Samples) -> String {
                     "–".into()
                 };
                 let extreme = |v: f64| if v.is_finite() { tell(v) } else { "–".into() };
-                vec![words(&course.quantity), tell(mean), band, extreme(low), extreme(high)]
+                let mut row = vec![words(&course.quantity), tell(mean), band, extreme(low), extreme(high)];
+                if !several {
+                    row.remove(2);
+                }
+                row
             })
             .collect();
-        let head =
-            ["", if several { "mean at the end" } else { "at the end" }, "5 … 95 %", "least", "greatest"];
+        let head: &[&str] = if several {
+            &["", "mean at the end", "5 … 95 %", "least", "greatest"]
+        } else {
+            &["", "at the end", "least", "greatest"]
+        };
         if !rows.is_empty() {
-            out +=
-                &format!("<h3>{}</h3>\n{}", crate::figures::escape(name), table(&head, &[1, 2, 3, 4], &rows));
+            let numbers: Vec<usize> = (1..head.len()).collect();
+            out += &format!("<h3>{}</h3>\n{}", crate::figures::escape(name), table(head, &numbers, &rows));
         }
     }
     out

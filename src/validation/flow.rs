@@ -148,8 +148,19 @@ pub fn watch_plane(
     pace: impl Into<Pace>,
     see: impl FnMut(&Look<2>) -> bool,
 ) -> Result<End, RunError> {
+    watch_plane_from(shipped, overrides, pace, |_| {}, see)
+}
+
+/// The same from what `prepare` makes of the flow at the start.
+pub fn watch_plane_from(
+    shipped: &Shipped,
+    overrides: &[String],
+    pace: impl Into<Pace>,
+    prepare: impl FnOnce(&mut Flow<2>),
+    see: impl FnMut(&Look<2>) -> bool,
+) -> Result<End, RunError> {
     planned(shipped, overrides, |plan, _| match &plan.arena {
-        Arena::Plane(arena) => watch(arena, plan.model.run.until, pace.into(), see),
+        Arena::Plane(arena) => watch(arena, plan.model.run.until, pace.into(), prepare, see),
         _ => Err(failed("the model is not plane".into())),
     })
 }
@@ -162,7 +173,7 @@ pub fn watch_space(
     see: impl FnMut(&Look<3>) -> bool,
 ) -> Result<End, RunError> {
     planned(shipped, overrides, |plan, _| match &plan.arena {
-        Arena::Space(arena) => watch(arena, plan.model.run.until, pace.into(), see),
+        Arena::Space(arena) => watch(arena, plan.model.run.until, pace.into(), |_| {}, see),
         _ => Err(failed("the model is not in space".into())),
     })
 }
@@ -171,10 +182,12 @@ fn watch<const D: usize>(
     plan: &ParticlePlan<D>,
     until: f64,
     Pace { every, share }: Pace,
+    prepare: impl FnOnce(&mut Flow<D>),
     mut see: impl FnMut(&Look<D>) -> bool,
 ) -> Result<End, RunError> {
     let begun = Instant::now();
     let mut flow = Scene::new(plan, 0)?.flow.ok_or_else(|| failed("the model has no flow".into()))?;
+    prepare(&mut flow);
     let longest = share * flow.step_limit().seconds;
     let looks = (until / every).round().max(1.0) as u32;
     let steps = (until / f64::from(looks) / longest).ceil().max(1.0);

@@ -55,6 +55,19 @@ impl Mesh {
     }
 }
 
+/// The velocity u = ∂ψ/∂y, v = -∂ψ/∂x at a place, of a stream function that is bilinear between the nodes of a square grid.
+#[must_use]
+pub fn velocity_of(psi: &GridField, place: &Vector<2>) -> Vector<2> {
+    let (nodes, d) = (psi.x.len(), psi.x[1] - psi.x[0]);
+    let cell = |s: f64| ((s / d).floor().max(0.0) as usize).min(nodes - 2);
+    let (i, j) = (cell(place[0]), cell(place[1]));
+    let (s, t) = (place[0] / d - i as f64, place[1] / d - j as f64);
+    let at = |i: usize, j: usize| psi.values[j * nodes + i];
+    let up = |i: usize| (at(i, j + 1) - at(i, j)) / d;
+    let right = |j: usize| (at(i + 1, j) - at(i, j)) / d;
+    Vector::from([up(i) * (1.0 - s) + up(i + 1) * s, -right(j) * (1.0 - t) - right(j + 1) * t])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,5 +92,10 @@ mod tests {
         let worst = nodes.map(|(i, j)| wrong(i, j)).fold(0.0, f64::max);
         // Second order: (2π/64)²/24 of the largest value of 1 is 4e-4.
         assert!(worst < 5e-4, "{worst}");
+        let x = Vector::from([0.3, 0.61]);
+        let (a, b) = (PI * x[0], PI * x[1]);
+        let curl = Vector::from([a.sin().powi(2) * (2.0 * b).sin(), -(2.0 * a).sin() * b.sin().powi(2)]) * PI;
+        // First order across the cells: half a cell times π² ψ'' of order one, at most.
+        assert!((velocity_of(&psi, &x) - curl).norm() < 0.1, "{} {curl}", velocity_of(&psi, &x));
     }
 }
