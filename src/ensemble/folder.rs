@@ -72,9 +72,13 @@ pub(super) fn content(dir: &Path, claim: Claim) -> Result<Content, ModelError> {
     if dir.exists() && !dir.is_dir() {
         return fault(format!("{shown} is not a folder"), "name another one with --out");
     }
-    // A run that was killed as it began leaves no more than a folder for what it would have kept.
-    let unused =
-        |entry: std::io::Result<DirEntry>| entry.is_ok_and(|entry| entry.file_name() == "checkpoint");
+    // A run that was killed as it began leaves no more than a folder for what it would have kept, and a record half written.
+    let unused = |entry: std::io::Result<DirEntry>| {
+        entry.is_ok_and(|entry| {
+            let name = entry.file_name();
+            name == "checkpoint" || name.to_string_lossy().starts_with(".writing-")
+        })
+    };
     let empty = !dir.exists() || dir.read_dir().is_ok_and(|mut entries| entries.all(unused));
     if empty {
         if claim.resume {

@@ -260,7 +260,9 @@ pub(super) fn check_species(plan: &Plan, domain: &ParticleDomain, faults: &mut V
             (solid.growth.and_then(|growth| growth.by).map(|(species, _)| species), &places.growth),
         ];
         for (species, place) in by.into_iter().filter_map(|(species, place)| Some((species?, place))) {
-            if plan.reactor.habitat[species].holds(solid.group as u8) {
+            let mut parts = (0..domain.groups.len())
+                .filter(|&g| g == solid.group || domain.groups[g].of == Some(solid.group));
+            if parts.any(|g| plan.reactor.habitat[species].holds(g as u8)) {
                 continue;
             }
             let name = &domain.groups[solid.group].name;
