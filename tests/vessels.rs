@@ -61,6 +61,30 @@ fn a_wall_grows_and_shares_its_molecules_out() {
     }
 }
 
+/// New columns belong to the surface their donors are of, and share its molecules out.
+#[test]
+fn the_skin_of_a_wall_grows_with_it() {
+    let bench = Bench::new();
+    let text = CELL
+        .replacen("A: { diffusion: 1 um^2/s }", "A: { diffusion: 1 um^2/s, only_in: [skin] }", 1)
+        .replacen(
+            "solids:",
+            "  skin: { material: surface, of: wall, shape: { ring: { centre: [0, 0], inner: 5.6 um, outer: 6.4 um } } }\nsolids:",
+            1,
+        )
+        .replacen("wall: { A: 5000, B: 5000 }", "skin: { A: 5000 }, wall: { B: 5000 }", 1)
+        .replacen("output: { every: 5 s }", "output: { every: 5 s, particles: { times: [0, 30 s] } }", 1);
+    let dir = bench.run(&bench.model("cell.yaml", &text), "out", &[]);
+    let columns = history(&dir, "columns");
+    let frames = read_particles(&list_particles(&dir)[0].2).unwrap().1;
+    for (frame, columns) in [(&frames[0], columns[0]), (&frames[1], columns[columns.len() - 1])] {
+        let skin: Vec<usize> = (0..frame.len()).filter(|&i| frame.group_name(i) == "skin").collect();
+        assert_eq!(skin.len(), columns as usize);
+        assert_eq!(skin.iter().map(|&i| frame.amounts[0][i]).sum::<f64>(), 5000.0);
+    }
+    assert!(columns[columns.len() - 1] > columns[0], "{columns:?}");
+}
+
 /// About 40 molecules in a particle: some are whole numbers, some real amounts, and both divide.
 #[test]
 fn hybrid_species_are_shared_out_whichever_way_they_are_carried() {

@@ -171,7 +171,7 @@ fn options(node: &Node, faults: &mut Faults) -> Option<Options> {
         &mut fields,
         "shift",
         MOST_SHIFT,
-        "2 is usual, and chosen without this option; 0 turns the shift off",
+        "2 is usual, and chosen without this option (less where friction is weak); 0 turns the shift off",
     );
     let courant = fields.optional("courant").map(|n| {
         let value = n.positive(Dimension::NONE, faults)?;
