@@ -18,6 +18,7 @@ use crate::solid::Birth;
 use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 pub use solids::{AT_A_TIME, SolidBody, SolidHealth, SolidImage};
+use std::borrow::Cow;
 pub use vessels::{VesselBody, VesselImage};
 
 /// The geometry of a particle plan at an instant, and the flow that moves it, if there is one.
@@ -30,6 +31,8 @@ pub struct Scene<'p, const D: usize> {
     pub vessels: Vec<VesselBody<D>>,
     /// Particles that left the reserves at the last step.
     pub births: Vec<Birth>,
+    /// All that left them so far, in order.
+    pub born: Vec<Birth>,
     pub snapshot: Snapshot<D>,
     /// Places with three coordinates, m.
     pub positions: Vec<Vector<3>>,
@@ -60,6 +63,7 @@ pub struct Image<'a, const D: usize> {
     flow: Option<fluid::Image<'a, D>>,
     solids: Vec<SolidImage<'a, D>>,
     vessels: Vec<VesselImage<D>>,
+    born: Cow<'a, [Birth]>,
     presence: Vec<Presence>,
     momentum: Option<Momentum<D>>,
 }
@@ -123,6 +127,7 @@ impl<'p, const D: usize> Scene<'p, D> {
             solids: Vec::new(),
             vessels: Vec::new(),
             births: Vec::new(),
+            born: Vec::new(),
             snapshot: Snapshot {
                 position: plan.particles.iter().map(|p| p.position).collect(),
                 velocity: vec![Vector::zeros(); count],
@@ -161,6 +166,7 @@ impl<'p, const D: usize> Scene<'p, D> {
             flow: self.flow.as_ref().map(Flow::image),
             solids: self.solids.iter().map(SolidBody::image).collect(),
             vessels: self.vessel_images(),
+            born: Cow::Borrowed(&self.born),
             presence: self.presence.clone(),
             momentum: self.momentum,
         }
@@ -182,6 +188,7 @@ impl<'p, const D: usize> Scene<'p, D> {
         }
         self.restore_vessels(image.vessels)?;
         self.momentum = image.momentum;
+        self.born = image.born.into_owned();
         self.look();
         // Who was there at the last look; it may have been before the last steps of the flow.
         self.presence = image.presence;

@@ -79,14 +79,24 @@ impl SplitState {
     /// Molecules that a voxel takes from others as it comes into being: of donor d the part p of all it holds. Discrete:
     /// each molecule goes with probability p. Hybrid: where a donor holds a real amount the new voxel does, until it
     /// changes over. A donor that is `held` stays as it is, and what comes from it is booked, unless the new voxel is
-    /// held too.
-    pub fn divide(&mut self, reactor: &Reactor, held: &[bool], voxel: usize, donors: &[(usize, f64)]) {
+    /// held too. A species that cannot live in the home group of the new voxel stays where it is, and so does what is not
+    /// held where the new voxel is.
+    pub fn divide(
+        &mut self,
+        reactor: &Reactor,
+        held: &[bool],
+        (voxel, home): (usize, u8),
+        donors: &[(usize, f64)],
+    ) {
         let count = self.supplied.len();
         let held = |slot: usize| held.get(slot).copied().unwrap_or(false);
-        for species in 0..count {
+        for species in (0..count).filter(|&s| reactor.habitat[s].holds(home)) {
             let new = voxel * count + species;
             for &(donor, part) in donors {
                 let slot = donor * count + species;
+                if held(new) && !held(slot) {
+                    continue;
+                }
                 let there = self.amounts[slot];
                 let taken = if self.whole(reactor, donor, species) {
                     binomial(&mut self.reservoirs, there as u64, part) as f64
@@ -134,7 +144,7 @@ mod tests {
         for (parts, stays) in [([0.25, 0.25], true), ([0.03, 0.25], false)] {
             let (reactor, frozen, mut state) = three([301.0, 7.0, 0.0]);
             assert!(!state.whole(&reactor, 0, 0) && state.whole(&reactor, 1, 0));
-            state.divide(&reactor, &[], 2, &[(0, parts[0]), (1, parts[1])]);
+            state.divide(&reactor, &[], (2, 0), &[(0, parts[0]), (1, parts[1])]);
             assert!(!state.whole(&reactor, 2, 0) && state.amounts[2] >= 301.0 * parts[0]);
             // Nothing is lost by division, nor by rounding; what is discrete is whole.
             assert!((state.total(0) - 308.0).abs() < 1e-12 && state.amounts[1].fract() == 0.0);
@@ -145,7 +155,7 @@ mod tests {
         }
         // Born of whole molecules it holds whole ones.
         let (reactor, _, mut state) = three([9.0, 7.0, 0.0]);
-        state.divide(&reactor, &[], 2, &[(0, 0.5), (1, 0.5)]);
+        state.divide(&reactor, &[], (2, 0), &[(0, 0.5), (1, 0.5)]);
         assert!(state.whole(&reactor, 2, 0) && state.amounts.iter().all(|n| n.fract() == 0.0));
         assert_eq!(state.total(0), 16.0);
     }
@@ -153,10 +163,14 @@ mod tests {
     #[test]
     fn held_amounts_are_shared_out_with_a_voxel_that_is_held_too() {
         let (reactor, _, mut state) = three([301.0, 300.0, 0.0]);
-        state.divide(&reactor, &[true, true, true], 2, &[(0, 0.25), (1, 0.25)]);
+        state.divide(&reactor, &[true, true, true], (2, 0), &[(0, 0.25), (1, 0.25)]);
         assert_eq!((state.amounts.as_slice(), state.supplied[0]), (&[225.75, 225.0, 150.25][..], 0.0));
         let (reactor, _, mut state) = three([301.0, 300.0, 0.0]);
-        state.divide(&reactor, &[true, false, false], 2, &[(0, 0.25), (1, 0.25)]);
+        state.divide(&reactor, &[true, false, false], (2, 0), &[(0, 0.25), (1, 0.25)]);
         assert_eq!((state.amounts.as_slice(), state.supplied[0]), (&[301.0, 225.0, 150.25][..], 75.25));
+        // Into what is held comes nothing that is not.
+        let (reactor, _, mut state) = three([301.0, 300.0, 0.0]);
+        state.divide(&reactor, &[true, false, true], (2, 0), &[(0, 0.25), (1, 0.25)]);
+        assert_eq!((state.amounts.as_slice(), state.supplied[0]), (&[225.75, 300.0, 75.25][..], 0.0));
     }
 }

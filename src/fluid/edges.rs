@@ -9,11 +9,13 @@
 //! Σ_j V_j F_ij r_ij² (A_i:(e⊗e)) e⊗e = 1 - (c/2) n⊗n,    c = |Σ_j V_j F_ij x_ij| / Σ_j V_j F_ij |x_ij·n|,
 //! ```
 //!
-//! n the direction without neighbours: along the edge conductance is that of a full neighbourhood, across it half of
-//! that where all neighbours stand on one side, as between the first two cells of a row. Of directions in which there
+//! n the direction without neighbours (c counts as max(0, 2c - 1): neighbours that are only uneven are no edge): along the
+//! edge conductance is that of a full neighbourhood, across it half of that where all neighbours stand on one side, as
+//! between the first two cells of a row. Of directions in which there
 //! is no neighbour (those across a sheet) nothing is asked. A pair takes the mean of its two sides.
 
-use crate::space::matrix::{Matrix, dyad};
+use crate::fluid::exchange::WHOLE;
+use crate::space::matrix::{Matrix, dyad, embed};
 use crate::vector::Vector;
 
 /// Independent entries of a symmetric matrix of three rows.
@@ -22,8 +24,48 @@ const ENTRIES: usize = 6;
 const UNSEEN: f64 = 0.01;
 /// A weight is at least this part of the one without regard to direction.
 const LEAST: f64 = 0.1;
+/// One-sidedness of the neighbours from which on a voxel of little α is at an edge, and the least second moment along any
+/// axis below which it is: a lattice has 1, half of one 0.5; where voxels are scattered α may be small with neighbours
+/// all round.
+const ONE_SIDED: f64 = 0.75;
+const THIN: f64 = 0.3;
 /// Stands for a voxel that is at no edge.
 const NONE: u32 = u32::MAX;
+
+/// c of a voxel, from |Σ V F x| and Σ V F |x·n|.
+fn one_sided(pull: f64, across: f64) -> f64 {
+    if across > 0.0 { (pull / across).min(1.0) } else { 0.0 }
+}
+
+/// Voxels whose neighbours end where no image stands for what is missing, of biases `alpha` and sums `pull` of V F x; `each`
+/// hands over voxel, V F and x of all neighbours.
+pub(super) fn bare<const D: usize>(
+    hosts: &[bool],
+    alpha: &[f64],
+    pull: &[Vector<D>],
+    each: impl FnOnce(&mut dyn FnMut(usize, f64, &Vector<D>)),
+) -> Vec<bool> {
+    let mut found: Vec<bool> =
+        alpha.iter().zip(hosts).map(|(alpha, host)| *host && *alpha <= WHOLE).collect();
+    if !found.contains(&true) {
+        return found;
+    }
+    let normal: Vec<Vector<D>> = pull.iter().map(|b| b / b.norm().max(f64::MIN_POSITIVE)).collect();
+    let mut sums = vec![(Matrix::<D>::zeros(), 0.0); alpha.len()];
+    each(&mut |i, weight, x| {
+        if found[i] {
+            let (second, across) = &mut sums[i];
+            *second += dyad(x, x) * weight;
+            *across += weight * x.dot(&normal[i]).abs();
+        }
+    });
+    for i in (0..alpha.len()).filter(|&i| alpha[i] <= WHOLE) {
+        let (second, across) = &sums[i];
+        let thin = D > 1 && embed(second, 1.0).symmetric_eigenvalues().min() < THIN;
+        found[i] &= thin || one_sided(pull[i].norm(), *across) > ONE_SIDED;
+    }
+    found
+}
 
 /// Voxels at an edge, and their tensors A.
 pub(super) struct Edges<const D: usize> {
@@ -85,7 +127,7 @@ impl<const D: usize> Edges<D> {
     /// Finds A when all neighbours are known.
     pub fn solve(&mut self) {
         for edge in &mut self.edges {
-            let one_sided = if edge.across > 0.0 { (edge.pull / edge.across).min(1.0) } else { 0.0 };
+            let one_sided = (2.0 * one_sided(edge.pull, edge.across) - 1.0).max(0.0);
             let wanted = Matrix::<D>::identity() - dyad(&edge.normal, &edge.normal) * (0.5 * one_sided);
             let mut right = [0.0; ENTRIES];
             for (entry, (a, b)) in right.iter_mut().zip(pairs::<D>()) {

@@ -1,7 +1,7 @@
 //! Conductances between particles: how strongly two voxels exchange molecules by diffusion.
 
 use crate::chemistry::Links;
-use crate::fluid::edges::Edges;
+use crate::fluid::edges::{self, Edges};
 use crate::fluid::outline::Behind;
 use crate::fluid::surface::{Facing, NEAREST};
 use crate::fluid::weights::Weights;
@@ -153,7 +153,9 @@ pub fn exchange<const D: usize>(
         pull[i] += own_pull;
     }
     if weights == Weights::Normalised {
-        let edge = at_edge(&met, hosts, &alpha, &open);
+        let around = Around { volumes, places: &places, domain };
+        let bare = edges::bare(hosts, &alpha, &pull, |take| around.each(&met, &behind, take));
+        let edge = at_edge(&met, hosts, &bare, &open);
         let mut edges = Edges::new(&edge, &pull);
         for ((b, alpha), edge) in pull.iter_mut().zip(&alpha).zip(&edge) {
             *b = if !*edge && *alpha > WHOLE { *b / *alpha } else { Vector::zeros() };
@@ -166,14 +168,8 @@ pub fn exchange<const D: usize>(
             pair.f *= (1.0 - (pull[i] - other).dot(&pair.x)).max(LEAST);
             let r2 = pair.x.norm_squared();
             alpha[i] += volumes[j] * pair.f * r2 / D as f64;
-            edges.add(i, volumes[j] * pair.f, &pair.x);
             if i != j {
                 alpha[j] += volumes[i] * pair.f * r2 / D as f64;
-                edges.add(
-                    j,
-                    volumes[i] * pair.f,
-                    &mirrored(&pair.x, &places[pair.image as usize], &places[j], domain),
-                );
             }
         }
         for back in &mut behind {
@@ -183,23 +179,24 @@ pub fn exchange<const D: usize>(
             });
             back.tilt(&pull[i], &other);
             alpha[i] += volumes[j] * back.f[0] * back.x[0].norm_squared() / D as f64;
-            edges.add(i, volumes[j] * back.f[0], &back.x[0]);
             if i != j {
                 alpha[j] += volumes[i] * back.f[1] * back.x[1].norm_squared() / D as f64;
-                edges.add(j, volumes[i] * back.f[1], &back.x[1]);
             }
         }
         if !edges.is_empty() {
+            around.each(&met, &behind, |i, weight, x| edges.add(i, weight, x));
             edges.solve();
+            let images: Vec<u32> = met.iter().map(|pair| pair.image).collect();
             for pair in &mut met {
                 let (i, j) = (pair.i as usize, pair.j as usize);
-                let there = mirrored(&pair.x, &places[pair.image as usize], &places[j], domain);
+                let there = around.turned(&pair.x, pair.image, j);
                 let factor = edges.factor([i, j], [&pair.x, &there], [alpha[i], alpha[j]]);
                 pair.f *= factor.unwrap_or(1.0);
             }
             for back in &mut behind {
                 let (i, j) = (back.i as usize, back.j as usize);
-                let factor = edges.factor([i, j], [&back.x[0], &back.x[1]], [alpha[i], alpha[j]]);
+                let there = back.met.map_or(back.x[1], |k| around.turned(&back.x[1], images[k as usize], j));
+                let factor = edges.factor([i, j], [&back.x[0], &there], [alpha[i], alpha[j]]);
                 back.f = back.f.map(|f| f * factor.unwrap_or(1.0));
             }
         }
@@ -258,14 +255,46 @@ pub fn exchange<const D: usize>(
     Exchange { links: both_ways(n, &pairs), sides, obstacles }
 }
 
-/// Voxels whose neighbours end where no image stands for what is missing, or that reach others whose do.
-fn at_edge<const D: usize>(met: &[Met<D>], hosts: &[bool], alpha: &[f64], open: &[bool]) -> Vec<bool> {
-    let bare = |i: usize| hosts[i] && alpha[i] <= WHOLE;
-    let mut edge: Vec<bool> = (0..alpha.len()).map(|i| hosts[i] && (bare(i) || !open[i])).collect();
+/// What voxels are to each other.
+struct Around<'a, const D: usize> {
+    volumes: &'a [f64],
+    places: &'a [Vector<D>],
+    domain: &'a Domain<D>,
+}
+
+impl<const D: usize> Around<'_, D> {
+    /// The way x of a pair as voxel j sees it, of which `image` took part.
+    fn turned(&self, x: &Vector<D>, image: u32, j: usize) -> Vector<D> {
+        mirrored(x, &self.places[image as usize], &self.places[j], self.domain)
+    }
+
+    /// Hands over each neighbour of each voxel: the voxel, V F of the neighbour, and x from the neighbour to the voxel (m).
+    fn each(&self, met: &[Met<D>], behind: &[Behind<D>], mut take: impl FnMut(usize, f64, &Vector<D>)) {
+        for pair in met {
+            let (i, j) = (pair.i as usize, pair.j as usize);
+            take(i, self.volumes[j] * pair.f, &pair.x);
+            if i != j {
+                take(j, self.volumes[i] * pair.f, &-self.turned(&pair.x, pair.image, j));
+            }
+        }
+        for back in behind {
+            let (i, j) = (back.i as usize, back.j as usize);
+            take(i, self.volumes[j] * back.f[0], &back.x[0]);
+            if i != j {
+                let x = back.met.map_or(back.x[1], |k| self.turned(&back.x[1], met[k as usize].image, j));
+                take(j, self.volumes[i] * back.f[1], &-x);
+            }
+        }
+    }
+}
+
+/// Voxels that are `bare`, reach others that are, or stand next to what no molecule enters and no image stands for.
+fn at_edge<const D: usize>(met: &[Met<D>], hosts: &[bool], bare: &[bool], open: &[bool]) -> Vec<bool> {
+    let mut edge: Vec<bool> = (0..bare.len()).map(|i| bare[i] || (hosts[i] && !open[i])).collect();
     for pair in met {
         let (i, j) = (pair.i as usize, pair.j as usize);
-        edge[i] |= bare(j);
-        edge[j] |= bare(i);
+        edge[i] |= bare[j];
+        edge[j] |= bare[i];
     }
     edge
 }
@@ -282,7 +311,7 @@ pub fn links<const D: usize>(
 }
 
 /// alpha from which on a voxel has neighbours on all sides; where they end at empty space it is below 0.7.
-const WHOLE: f64 = 0.75;
+pub(super) const WHOLE: f64 = 0.75;
 
 /// Least factor by which the balance of disordered neighbours lowers a weight.
 pub(super) const LEAST: f64 = 0.1;

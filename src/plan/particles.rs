@@ -159,12 +159,17 @@ impl<const D: usize> ParticlePlan<D> {
             let volume = found.first().map_or(0.0, |one| one.1);
             let parts: Vec<(usize, &Group)> =
                 domain.groups.iter().enumerate().filter(|(_, part)| part.of == Some(g)).collect();
+            let mut shared = None;
             for (position, volume) in found {
                 particles.push(Placed { position, volume, body: body as u8 });
-                let part = parts.iter().find(|(_, part)| part.shape.holds(&embed(&position)));
+                let mut holds = parts.iter().filter(|(_, part)| part.shape.holds(&embed(&position)));
+                let part = holds.next();
                 home.push(part.map_or(g, |(part, _)| *part) as u8);
+                if let (Some((_, one)), Some((_, other))) = (part, holds.next()) {
+                    shared.get_or_insert((*one, *other, position));
+                }
             }
-            check_parts(group, &parts, &home, faults);
+            check_parts(group, (&parts, shared), &home, faults);
             let vessel = described.and_then(|k| {
                 let growth = domain.solids[k].growth.as_ref();
                 elastic[k].as_ref()?.vessel.as_ref().map(|vessel| (vessel, growth))
@@ -490,8 +495,26 @@ fn wall_body<const D: usize>(domain: &ParticleDomain, g: usize, group: &Group, f
     }
 }
 
-/// Surfaces of a solid need particles of it, and so does what is left.
-fn check_parts(solid: &Group, parts: &[(usize, &Group)], home: &[u8], faults: &mut Vec<Fault>) {
+/// Surfaces of a solid need particles of it, each its own; `shared` is one that two of them hold.
+fn check_parts<const D: usize>(
+    solid: &Group,
+    (parts, shared): (&[(usize, &Group)], Option<(&Group, &Group, Vector<D>)>),
+    home: &[u8],
+    faults: &mut Vec<Fault>,
+) {
+    if let Some((one, other, at)) = shared {
+        faults.push(Fault::at(
+            &other.place,
+            format!(
+                "the surfaces `{}` and `{}` of the solid `{}` both hold its particle at {}",
+                one.name,
+                other.name,
+                solid.name,
+                crate::quantity::readable::show_vector(at.as_slice(), "m")
+            ),
+            "let their shapes not overlap",
+        ));
+    }
     for (g, part) in parts {
         if !home.contains(&(*g as u8)) {
             faults.push(Fault::at(

@@ -73,32 +73,41 @@ impl Start {
 }
 
 impl Start {
-    /// Takes in particles that came into being, in order: what is held in both donors is held in them too, a
-    /// concentration at the mean of theirs, while a number of molecules is shared out.
+    /// Takes in particles that came into being, in order: what is held in the donor to whose group they belong is held in
+    /// them too, a concentration at the mean of the donors that hold it, while a number of molecules is shared out.
     pub fn bear(&mut self, births: &[Birth], species: usize) {
         if !self.held.contains(&true) {
             return;
         }
         for birth in births {
-            let donors = birth.donors.map(|(donor, _)| donor);
+            let parent = birth.parent();
             for s in 0..species {
-                if donors.iter().all(|donor| self.held[donor * species + s]) {
-                    self.held[birth.particle * species + s] = true;
-                }
+                self.held[birth.particle * species + s] = self.held[parent * species + s];
             }
-            let both = |voxels: &[u32]| -> Option<[usize; 2]> {
-                let [a, b] = donors.map(|donor| voxels.iter().position(|&voxel| voxel as usize == donor));
-                Some([a?, b?])
+            // Places of the donors among voxels, if their parent is one of them, and what they give.
+            let among = |voxels: &[u32]| -> Vec<(usize, f64)> {
+                let place = |donor: usize| voxels.iter().position(|&voxel| voxel as usize == donor);
+                if place(parent).is_none() {
+                    return Vec::new();
+                }
+                birth.donors.iter().filter_map(|(donor, part)| Some((place(*donor)?, *part))).collect()
             };
             for held in &mut self.held_in_solids {
-                let Some([a, b]) = both(&held.voxels) else { continue };
+                let ends = among(&held.voxels);
+                if ends.is_empty() {
+                    continue;
+                }
+                let sum: f64 = ends.iter().map(|(end, _)| held.concentrations[*end]).sum();
                 held.voxels.push(birth.particle as u32);
-                held.concentrations.push(0.5 * (held.concentrations[a] + held.concentrations[b]));
+                held.concentrations.push(sum / ends.len() as f64);
             }
             for (_, voxels, means) in &mut self.held_poisson {
-                let Some(ends) = both(voxels) else { continue };
+                let ends = among(voxels);
+                if ends.is_empty() {
+                    continue;
+                }
                 let mut given = 0.0;
-                for (end, (_, part)) in ends.into_iter().zip(birth.donors) {
+                for (end, part) in ends {
                     given += part * means[end];
                     means[end] *= 1.0 - part;
                 }

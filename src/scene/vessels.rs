@@ -20,8 +20,6 @@ pub struct VesselBody<const D: usize> {
     /// Home group of each particle: the wall or one of its surfaces.
     homes: Vec<u8>,
     course: Course,
-    /// All births so far, numbered as the particles of the plan.
-    born: Vec<Birth>,
     /// The period of the slowest mode of the last balance over the last step.
     pub time_ratio: f64,
 }
@@ -42,7 +40,6 @@ pub struct VesselImage<const D: usize> {
     phi: Vec<f64>,
     homes: Vec<u8>,
     course: Course,
-    born: Vec<Birth>,
     time_ratio: f64,
 }
 
@@ -67,7 +64,6 @@ impl<const D: usize> VesselBody<D> {
                 vessel.relaxation,
             )?,
             course: Course { largest_stretch: 1.0, ..Course::default() },
-            born: Vec::new(),
             time_ratio: 0.0,
         };
         body.vessel.relax(0.0).map_err(|error| body.named(error, &plan.name))?;
@@ -86,14 +82,13 @@ impl<const D: usize> VesselBody<D> {
             phi: self.phi.clone(),
             homes: self.homes.clone(),
             course: self.course,
-            born: self.born.clone(),
             time_ratio: self.time_ratio,
         }
     }
 
     fn restore(&mut self, image: VesselImage<D>) -> Option<()> {
         self.vessel.restore(image.vessel)?;
-        (self.phi, self.homes, self.born) = (image.phi, image.homes, image.born);
+        (self.phi, self.homes) = (image.phi, image.homes);
         (self.course, self.time_ratio) = (image.course, image.time_ratio);
         ([self.phi.len(), self.homes.len()] == [self.vessel.solid.len(); 2]).then_some(())
     }
@@ -103,10 +98,7 @@ impl<const D: usize> VesselBody<D> {
         let births = self.vessel.advance(dt, &self.phi)?;
         self.phi.resize(self.vessel.solid.len(), 0.0);
         for birth in &births {
-            // It lies between its donors, in the same layer.
-            let [a, b] = birth.donors;
-            let donor = if a.1 >= b.1 { a.0 } else { b.0 };
-            self.homes.push(self.homes[donor]);
+            self.homes.push(self.homes[birth.parent()]);
         }
         self.course.steps += 1;
         self.course.escapes += self.vessel.escapes() as u64;
@@ -116,9 +108,7 @@ impl<const D: usize> VesselBody<D> {
             particle: birth.particle + self.first,
             donors: birth.donors.map(|(donor, part)| (donor + self.first, part)),
         };
-        let births: Vec<Birth> = births.into_iter().map(number).collect();
-        self.born.extend(&births);
-        Ok(births)
+        Ok(births.into_iter().map(number).collect())
     }
 
     /// Numbers an error as the particles of the plan are numbered, and says which solid it is.
@@ -166,11 +156,6 @@ impl<'p, const D: usize> Scene<'p, D> {
         self.vessels.iter().find(|body| body.number == number)
     }
 
-    /// All births so far, wall by wall.
-    pub fn born(&self) -> impl Iterator<Item = &[Birth]> {
-        self.vessels.iter().map(|body| body.born.as_slice())
-    }
-
     /// Walls in balance know no step of their own: one for each chemistry step, of at most `until` (s).
     #[must_use]
     pub fn vessel_steps(&self, until: f64) -> Vec<StepLimit> {
@@ -187,6 +172,7 @@ impl<'p, const D: usize> Scene<'p, D> {
                 Err(error) => return Err(body.named(error, name)),
             }
         }
+        self.born.extend(&self.births);
         Ok(())
     }
 

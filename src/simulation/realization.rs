@@ -39,14 +39,14 @@ pub(super) struct Exchange {
     left: Vec<u32>,
     /// Species, the particles that carry it in, and mean molecules in each.
     entered: Vec<(usize, Vec<u32>, Vec<f64>)>,
-    /// Particles that came into being, and from whom.
-    births: Vec<Birth>,
+    /// Particles that came into being, and their home groups.
+    births: Vec<(Birth, u8)>,
 }
 
 impl Exchange {
     /// Works out the particles that crossed an open end since the scene was looked at before.
     pub fn new<const D: usize>(plan: &Plan, scene: &Scene<D>) -> Exchange {
-        let births = scene.births.clone();
+        let births = scene.births.iter().map(|birth| (*birth, scene.home[birth.particle])).collect();
         let Some(openings) = &scene.plan.openings else {
             return Exchange { births, ..Exchange::default() };
         };
@@ -159,7 +159,8 @@ impl Realization {
     /// Those of particles that divide are shared out.
     pub fn cross(&mut self, plan: &Plan, start: &Start, exchange: &Exchange) {
         for birth in &exchange.births {
-            self.state.divide(&plan.reactor, &start.held, birth.particle, &birth.donors);
+            let (birth, home) = birth;
+            self.state.divide(&plan.reactor, &start.held, (birth.particle, *home), &birth.donors);
         }
         self.state.empty(&exchange.left);
         for (species, voxels, means) in &exchange.entered {

@@ -21,6 +21,15 @@ pub struct Birth {
     pub donors: [(usize, f64); 2],
 }
 
+impl Birth {
+    /// The donor that gave more: what it belongs to, the new particle belongs to.
+    #[must_use]
+    pub fn parent(&self) -> usize {
+        let [a, b] = self.donors;
+        if a.1 >= b.1 { a.0 } else { b.0 }
+    }
+}
+
 /// A wall between two states of rest, particle by particle.
 pub(super) struct Present<const D: usize> {
     pub places: Vec<Vector<D>>,

@@ -25,6 +25,7 @@ use crate::solid::force::CHUNK;
 use crate::solid::limit::StepLimit;
 use crate::solid::material::Material;
 use crate::solid::nearby::Nearby;
+use crate::solid::step::driven;
 use crate::space::matrix::{Matrix, determinant, dyad, inverse};
 use crate::space::{Domain, Kernel};
 use crate::vector::Vector;
@@ -164,8 +165,8 @@ impl<const D: usize> Jaumann<D> {
         self.kick(0.5 * dt);
         for i in 0..self.positions.len() {
             if let Hold::Driven(drive) = &self.holds[i] {
-                let place = &self.places[i];
-                self.velocities[i] = (drive(place, self.time + dt) - drive(place, self.time)) / dt;
+                let at = |t| driven(drive, (i, &self.places[i]), (self.steps, t));
+                self.velocities[i] = (at(self.time + dt)? - at(self.time)?) / dt;
             }
         }
         self.drift(0.5 * dt);

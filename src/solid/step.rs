@@ -1,7 +1,7 @@
 //! One step of an elastic solid: kick, drift, forces, kick.
 
 use crate::error::RunError;
-use crate::solid::elastic::{Elastic, Hold};
+use crate::solid::elastic::{Drive, Elastic, Hold};
 use crate::vector::Vector;
 
 impl<const D: usize> Elastic<D> {
@@ -89,21 +89,7 @@ impl<const D: usize> Elastic<D> {
         let t = self.time;
         for (i, hold) in self.holds.iter().enumerate() {
             if let Hold::Driven(drive) = hold {
-                let now = drive(&self.places[i], t);
-                if let Some(value) = now.iter().copied().find(|u| !u.is_finite()) {
-                    let place: Vec<String> = self.places[i].iter().map(|x| format!("{x:.4e}")).collect();
-                    return Err(RunError::BlowUp {
-                        step: self.steps,
-                        time: t,
-                        particle: i,
-                        quantity: format!(
-                            "driven displacement in m of the particle at ({}) m at rest",
-                            place.join(", ")
-                        ),
-                        value,
-                        remedy: "driven.displacement is no number there and then: guard it, e.g. sqrt(max(0, ...))".into(),
-                    });
-                }
+                let now = driven(drive, (i, &self.places[i]), (self.steps, t))?;
                 let before = std::mem::replace(&mut self.displacements[i], now);
                 if dt > 0.0 {
                     self.velocities[i] = (self.displacements[i] - before) / dt;
@@ -112,4 +98,26 @@ impl<const D: usize> Elastic<D> {
         }
         Ok(())
     }
+}
+
+/// Where a driven particle, with its place at rest, is displaced to at a time (s), m.
+///
+/// # Errors
+/// [`RunError::BlowUp`] for a displacement that is no finite number.
+pub(super) fn driven<const D: usize>(
+    drive: &Drive<D>,
+    (particle, place): (usize, &Vector<D>),
+    (step, time): (u64, f64),
+) -> Result<Vector<D>, RunError> {
+    let displacement = drive(place, time);
+    let Some(value) = displacement.iter().copied().find(|u| !u.is_finite()) else { return Ok(displacement) };
+    let place: Vec<String> = place.iter().map(|x| format!("{x:.4e}")).collect();
+    Err(RunError::BlowUp {
+        step,
+        time,
+        particle,
+        quantity: format!("driven displacement in m of the particle at ({}) m at rest", place.join(", ")),
+        value,
+        remedy: "driven.displacement is no number there and then: guard it, e.g. sqrt(max(0, ...))".into(),
+    })
 }

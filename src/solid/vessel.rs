@@ -41,6 +41,8 @@ pub struct VesselState<const D: usize> {
     places: Vec<Vector<D>>,
     volumes: Vec<f64>,
     displacements: Vec<Vector<D>>,
+    /// From which others rise where they must do so slowly.
+    loads: Vec<Vector<D>>,
     growth: Option<Vec<Matrix<D>>>,
     softness: Vec<f64>,
     before: Vec<Matrix<D>>,
@@ -120,6 +122,7 @@ impl<const D: usize> Vessel<D> {
             places: solid.places.clone(),
             volumes: solid.volumes.clone(),
             displacements: solid.displacements.clone(),
+            loads: solid.loads.clone(),
             growth: solid.growth.clone(),
             softness: solid.softness.clone(),
             before: self.before.clone(),
@@ -140,6 +143,7 @@ impl<const D: usize> Vessel<D> {
             && state.wall.columns >= self.start.3
             && [state.volumes.len(), state.displacements.len(), state.softness.len(), state.before.len()]
                 == [n; 4]
+            && state.loads.len() == n
             && state.growth.as_ref().is_none_or(|growth| growth.len() == n);
         if !fits {
             return None;
@@ -152,6 +156,7 @@ impl<const D: usize> Vessel<D> {
         self.solid.softness = state.softness;
         self.solid.consist(&skin);
         self.solid.displacements = state.displacements;
+        self.solid.loads = state.loads;
         self.solid.renew().ok()?;
         self.solid.time = state.time;
         self.solid.tally = state.tally;

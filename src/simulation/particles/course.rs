@@ -52,6 +52,8 @@ pub(super) struct Travelled {
     pub course: CourseShare,
     /// Temperatures at the output times of the second half.
     warmth: TemperatureRecord,
+    /// Home group of each voxel at the end; empty if it did not come so far.
+    pub home: Vec<u8>,
     /// Whether the realizations that are left came to the end.
     pub arrived: bool,
     pub interrupted: bool,
@@ -182,8 +184,8 @@ impl<const D: usize> Course<'_, '_, D> {
         // With what was born since.
         let mut start = Cow::Borrowed(self.start);
         let species = self.plan.reactor.species_count();
-        for births in self.scene.born().filter(|births| !births.is_empty()) {
-            start.to_mut().bear(births, species);
+        if !self.scene.born.is_empty() {
+            start.to_mut().bear(&self.scene.born, species);
         }
         let mut frozen = freeze(self.plan, &self.scene, &start)?;
         let mut reservoirs = Reservoirs::new(self.plan, &self.scene);
@@ -299,6 +301,7 @@ impl<const D: usize> Course<'_, '_, D> {
             recorder.finish(&way.course)?;
         }
         way.arrived = true;
+        way.home.clone_from(&self.scene.home);
         Ok(way)
     }
 

@@ -103,15 +103,16 @@ impl<'p, const D: usize> Ready<'p, D> {
         keep: &dyn Keep,
         name: &str,
     ) -> Result<(), RunError> {
-        let Travelled { crew: Crew { members, error }, course, arrived, interrupted, .. } = way;
+        let Travelled { crew: Crew { members, error }, course, arrived, interrupted, home, .. } = way;
         finish.interrupted |= interrupted;
         // Before the realizations: counted once, however often it is run again.
         if !interrupted {
             keep.course(name, course)?;
         }
-        let groups = self.groups();
+        let home = if home.is_empty() { &self.scene.plan.home } else { &home };
+        let groups: Vec<usize> = home.iter().map(|&home| usize::from(home)).collect();
         for one in members {
-            one.conclude(self.plan, keep, arrived, (&groups, &self.scene.plan.home))?;
+            one.conclude(self.plan, keep, arrived, (&groups, home))?;
         }
         if arrived {
             keep.forget(name);
