@@ -386,7 +386,12 @@ fn solid_wall(fields: &mut Fields, domain: &ParticleDomain, faults: &mut Faults)
         faults.at(
             &node.place,
             format!("group `{}` is no wall", domain.groups[g].name),
-            "set its material: wall",
+            match domain.groups[g].material {
+                Material::Solid | Material::Surface => {
+                    "an elastic solid is moved by solids: driven, or by the fluid; name a wall"
+                }
+                _ => "set its material: wall",
+            },
         );
         return None;
     }

@@ -293,13 +293,18 @@ fn line<'p, const D: usize>(
 }
 
 /// Whether a species can be at a place: in a group that stays where it is and holds it, or, outside all of
-/// those, in one that takes what is left or flows.
+/// those, in one that takes what is left or flows. Where there are elastic solids the nearest particle tells.
 fn can_be<const D: usize>(plan: &Plan, scene: &Scene<D>, s: usize, x: &Vector<3>) -> bool {
     let owner = scene.plan.still.iter().find(|(_, shape)| shape.holds(x));
     let habitat = plan.reactor.habitat[s];
     match owner {
         Some((group, _)) => habitat.holds(*group),
-        None => scene.plan.loose.iter().any(|&group| habitat.holds(group)),
+        None if scene.plan.solids.is_empty() => scene.plan.loose.iter().any(|&group| habitat.holds(group)),
+        None => {
+            let away = |i: &usize| (scene.positions[*i] - x).norm_squared();
+            let nearest = (0..scene.positions.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
+            nearest.is_some_and(|i| habitat.holds(scene.home[i]))
+        }
     }
 }
 

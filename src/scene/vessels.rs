@@ -187,7 +187,8 @@ impl<'p, const D: usize> Scene<'p, D> {
         self.soften(amounts, species, (0, 0.0))?;
         for body in &mut self.vessels {
             let name = &self.plan.solids[body.number].name;
-            if let Err(error) = body.vessel.relax(0.0) {
+            let relaxed = body.vessel.solid.renew().and_then(|()| body.vessel.relax(0.0));
+            if let Err(error) = relaxed {
                 return Err(body.named(error, name));
             }
         }

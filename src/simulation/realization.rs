@@ -213,7 +213,7 @@ impl Realization {
     }
 
     /// Brings held concentrations to what they are in the volumes of now.
-    fn hold_in_solids(&mut self, around: &Surroundings) {
+    pub fn hold_in_solids(&mut self, around: &Surroundings) {
         let reactor = &around.plan.reactor;
         for held in &around.start.held_in_solids {
             let of = |(&voxel, c): (&u32, &f64)| {

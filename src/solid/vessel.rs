@@ -29,6 +29,8 @@ pub struct Growth {
 
 /// Growth of any particle in one step at most; longer steps are divided.
 const MOST: f64 = 0.02;
+/// Most steps of growth in what is left of one chemistry step.
+const RASH: f64 = 2000.0;
 /// Edges that long, in edges at the start, are gaps.
 const GAP: f64 = 2.0;
 /// Negative turgor that is rounding, over pressure and stiffness.
@@ -250,6 +252,21 @@ impl<const D: usize> Vessel<D> {
         }
         // Growth relaxes differences of stress at the rate φ E/(1 - ν²): explicit steps must follow that.
         let parts = (most * (fastest / MOST).max(self.maxwell(&rates, phi))).ceil().max(1.0);
+        if parts > RASH {
+            let quickest = |i: &usize| rates[*i].sum() / MOST;
+            let particle = (0..rates.len()).max_by(|a, b| quickest(a).total_cmp(&quickest(b))).unwrap_or(0);
+            return Err(RunError::BlowUp {
+                step: 0,
+                time: self.time,
+                particle,
+                quantity: "steps of growth that follow the stress of the wall for one chemistry step".into(),
+                value: parts,
+                remedy: format!(
+                    "growth this fast is no growth of a wall: look at the unit of growth.rate, or make chemistry.step {:.1e} of what it is",
+                    RASH / parts
+                ),
+            });
+        }
         let (step, t) = (most / parts, self.time);
         let before = self.solid.growth.clone();
         self.solid.grow(&rates, 0.5 * step);

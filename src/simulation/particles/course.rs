@@ -189,6 +189,12 @@ impl<const D: usize> Course<'_, '_, D> {
         }
         let mut frozen = freeze(self.plan, &self.scene, &start)?;
         let mut reservoirs = Reservoirs::new(self.plan, &self.scene);
+        if from == Point::default() && !self.scene.vessels.is_empty() {
+            // Volumes have changed as walls came to balance.
+            let around =
+                Surroundings { plan: self.plan, frozen: &frozen, reservoirs: &reservoirs, start: &start };
+            way.crew.members.iter_mut().for_each(|one| one.hold_in_solids(&around));
+        }
         let (mut patience, mut saved_at) = (self.keep.patience(), Instant::now());
         let piece = (TOGETHER / way.crew.members.len().max(1)).clamp(1 << 10, PIECE);
         for (i, interval) in self.clock.iter().enumerate().skip(from.interval) {
