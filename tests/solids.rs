@@ -257,6 +257,7 @@ fn a_driven_displacement_that_is_no_number_is_told_at_its_source() {
 #[case("jaumann numbers", &[("    clamped:", "    jaumann: { artificial_stress: 0.1 }\n    clamped:")], "add method: jaumann", "13:14")]
 #[case("surface", &[("solids:", "  top: { material: surface, of: bar, shape: { box: { min: [0, 3.9 um], max: [20 um, 4 um] } } }\nsolids:")], "no particle of the solid `bar`", "7:3")]
 #[case("surface of", &[("solids:", "  rest: { shape: everything_else }\n  top: { material: surface, of: rest, shape: { box: { min: [0, 3 um], max: [20 um, 4 um] } } }\nsolids:")], "no elastic solid", "8:3")]
+#[case("surfaces", &[("solids:", "  top: { material: surface, of: bar, shape: { box: { min: [0, 3 um], max: [20 um, 4 um] } } }\n  rest: { material: surface, of: bar, shape: everything_else }\nsolids:")], "both hold its particle", "8:3")]
 #[case("species", &[("    clamped:", "    softening: { by: E, factor: 1, at: 1 uM }\n    clamped:"), ("{ representation", "{ only_in: [rest], representation"), ("solids:", "  rest: { shape: everything_else }\nsolids:")], "cannot be in `bar`", "14:5")]
 fn faults_are_told_with_their_place(
     #[case] name: &str,

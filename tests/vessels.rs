@@ -85,6 +85,27 @@ fn the_skin_of_a_wall_grows_with_it() {
     assert!(columns[columns.len() - 1] > columns[0], "{columns:?}");
 }
 
+/// At the rim of a surface columns divide too, with a donor on either side: what lives in the surface alone stays in it.
+#[test]
+fn molecules_of_half_a_skin_stay_in_it() {
+    let bench = Bench::new();
+    let text = CELL
+        .replacen("A: { diffusion: 1 um^2/s }", "A: { diffusion: 1 um^2/s, only_in: [cap] }", 1)
+        .replacen("B: { diffusion: 1 um^2/s", "B: { only_in: [cap], diffusion: 1 um^2/s", 1)
+        .replacen(
+            "solids:",
+            "  cap: { material: surface, of: wall, shape: { box: { min: [0, -20 um], max: [20 um, 20 um] } } }\nsolids:",
+            1,
+        )
+        .replacen("wall: { A: 5000, B: 5000 }", "cap: { A: 5000, B: 5000 }", 1);
+    let dir = bench.run(&bench.model("cell.yaml", &text), "out", &[]);
+    let series = read_series(&dir).unwrap();
+    for time in [0.0, 15.0, 30.0] {
+        assert_eq!(amounts(&series, "cap", "A", time), [5000.0; 2]);
+        assert!(amounts(&series, "cap", "B", time).iter().all(|n| (n / 5000.0 - 1.0).abs() < 1e-9));
+    }
+}
+
 /// About 40 molecules in a particle: some are whole numbers, some real amounts, and both divide.
 #[test]
 fn hybrid_species_are_shared_out_whichever_way_they_are_carried() {

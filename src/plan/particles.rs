@@ -169,7 +169,7 @@ impl<const D: usize> ParticlePlan<D> {
                     shared.get_or_insert((*one, *other, position));
                 }
             }
-            check_parts(group, (&parts, shared), &home, faults);
+            check_parts(group, &parts, shared, &home, faults);
             let vessel = described.and_then(|k| {
                 let growth = domain.solids[k].growth.as_ref();
                 elastic[k].as_ref()?.vessel.as_ref().map(|vessel| (vessel, growth))
@@ -495,10 +495,14 @@ fn wall_body<const D: usize>(domain: &ParticleDomain, g: usize, group: &Group, f
     }
 }
 
+/// Two surfaces of a solid that hold the same particle, and where that is.
+type Shared<'a, const D: usize> = (&'a Group, &'a Group, Vector<D>);
+
 /// Surfaces of a solid need particles of it, each its own; `shared` is one that two of them hold.
 fn check_parts<const D: usize>(
     solid: &Group,
-    (parts, shared): (&[(usize, &Group)], Option<(&Group, &Group, Vector<D>)>),
+    parts: &[(usize, &Group)],
+    shared: Option<Shared<D>>,
     home: &[u8],
     faults: &mut Vec<Fault>,
 ) {
