@@ -397,14 +397,17 @@ mod tests {
         let birth = |particle, a, b| Birth { particle, donors: [(a, 0.25), (b, 0.5)] };
         start.bear(&[birth(3, 0, 1), birth(4, 2, 3)], 2);
         assert_eq!(start.held[6..], [false, true, false, true]);
-        // The second is born of one that is dealt Poisson and one that is not.
-        assert_eq!(start.held_poisson, [(1, vec![0, 1, 3], vec![6.0, 2.0, 4.0])]);
-        assert_eq!(start.held_in_solids[0].voxels, [1, 2]);
-        start.bear(&[birth(4, 1, 2)], 2);
+        // The second belongs to one that is dealt Poisson; the other donor is not and gives nothing.
+        assert_eq!(start.held_poisson, [(1, vec![0, 1, 3, 4], vec![6.0, 2.0, 2.0, 2.0])]);
+        // A concentration is that of the donors that hold one.
         let held = &start.held_in_solids[0];
         assert_eq!(
             (held.voxels.as_slice(), held.concentrations.as_slice()),
-            (&[1, 2, 4][..], &[1.0, 3.0, 2.0][..])
+            (&[1, 2, 3, 4][..], &[1.0, 3.0, 1.0, 2.0][..])
         );
+        // What belongs to a donor that is not held is not held either, whoever the other one is.
+        start.held.extend([false; 4]);
+        start.bear(&[birth(6, 2, 5)], 2);
+        assert_eq!(start.held[10..], [false; 4]);
     }
 }
