@@ -11,8 +11,8 @@
 //!
 //! n the direction without neighbours (c counts as max(0, 2c - 1): neighbours that are only uneven are no edge): along the
 //! edge conductance is that of a full neighbourhood, across it half of that where all neighbours stand on one side, as
-//! between the first two cells of a row. Of directions in which there
-//! is no neighbour (those across a sheet) nothing is asked. A pair takes the mean of its two sides.
+//! between the first two cells of a row. Of directions in which there is no neighbour (those across a sheet) nothing is
+//! asked. A pair takes the mean of its two sides.
 
 use crate::fluid::exchange::WHOLE;
 use crate::space::matrix::{Matrix, dyad, embed};

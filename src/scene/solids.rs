@@ -234,6 +234,22 @@ impl<'p, const D: usize> Scene<'p, D> {
     }
 }
 
+/// An error of a solid whose first particle is number `first` of the plan: numbered as those, at `step` if that is given, and with
+/// the name of the solid.
+pub(super) fn of_solid(error: RunError, at: Option<u64>, first: usize, name: &str) -> RunError {
+    match error {
+        RunError::BlowUp { step, time, particle, quantity, value, remedy } => RunError::BlowUp {
+            step: at.unwrap_or(step),
+            time,
+            particle: particle + first,
+            quantity: format!("{quantity} (solid `{name}`)"),
+            value,
+            remedy,
+        },
+        other => other,
+    }
+}
+
 /// How far a place lies beyond the sides of a box, m.
 fn outside<const D: usize>(domain: &crate::space::Domain<D>, x: &Vector<D>) -> f64 {
     (0..D)

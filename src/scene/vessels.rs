@@ -1,6 +1,7 @@
 //! Walls of a scene that are always in balance with what they enclose.
 
 use super::Scene;
+use super::solids::of_solid;
 use crate::chemistry::AVOGADRO;
 use crate::error::RunError;
 use crate::fluid::Snapshot;
@@ -111,19 +112,9 @@ impl<const D: usize> VesselBody<D> {
         Ok(births.into_iter().map(number).collect())
     }
 
-    /// Numbers an error as the particles of the plan are numbered, and says which solid it is.
+    /// An error of this wall, told of the plan's particles and chemistry steps.
     fn named(&self, error: RunError, name: &str) -> RunError {
-        match error {
-            RunError::BlowUp { time, particle, quantity, value, remedy, .. } => RunError::BlowUp {
-                step: self.course.steps,
-                time,
-                particle: particle + self.first,
-                quantity: format!("{quantity} (solid `{name}`)"),
-                value,
-                remedy,
-            },
-            other => other,
-        }
+        of_solid(error, Some(self.course.steps), self.first, name)
     }
 
     /// Shows places, volumes, densities and pressures.

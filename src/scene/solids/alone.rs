@@ -1,5 +1,6 @@
 //! An elastic solid that no fluid moves.
 
+use super::of_solid;
 use crate::error::RunError;
 use crate::model::solids::Form;
 use crate::plan::SolidPlan;
@@ -134,18 +135,8 @@ impl<const D: usize> SolidBody<D> {
         Ok(())
     }
 
-    /// Numbers an error as the particles of the plan are numbered, and says which solid it is.
+    /// An error of this solid, told of the plan's particles.
     pub(super) fn named(&self, error: RunError, name: &str) -> RunError {
-        match error {
-            RunError::BlowUp { step, time, particle, quantity, value, remedy } => RunError::BlowUp {
-                step,
-                time,
-                particle: particle + self.first,
-                quantity: format!("{quantity} (solid `{name}`)"),
-                value,
-                remedy,
-            },
-            other => other,
-        }
+        of_solid(error, None, self.first, name)
     }
 }
