@@ -16,6 +16,7 @@ use crate::fluid::terms::{
 use crate::space::domain::{Domain, Shortest};
 use crate::space::kernel::Kernel;
 use crate::vector::Vector;
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 /// A flow in progress.
@@ -138,6 +139,9 @@ impl<const D: usize> Flow<D> {
                 moment: Symmetric::identity(1.0),
                 uneven: false,
                 reach: 0.0,
+                slope: Vector::zeros(),
+                shear: SMatrix::zeros(),
+                free: false,
             });
             own.push(Own {
                 mass: density * placed.volume,
@@ -295,14 +299,20 @@ fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
     let (shift, options) = (setup.shift(), &setup.options);
     let moved = shift > 0.0;
     let form = if setup.method == Method::Sph { Friction::Morris } else { setup.friction };
+    // With noise the plain sums, whose adjoint is the pressure force and whose noise is known: what is not adjoint heats
+    // the bath.
+    let corrected = setup.method == Method::SphBvf && options.corrected && setup.noise.is_none();
+    // At the interface of two the velocity has a kink.
+    let fluids = setup.bodies.iter().filter(|body| matches!(body.kind, BodyKind::Fluid { .. }));
+    let one_fluid = fluids.count() == 1;
+    let continuity = match setup.method {
+        _ if options.printed_density_rate => Continuity::Printed,
+        _ if corrected => Continuity::Corrected,
+        Method::SphBvf => Continuity::Advected,
+        Method::Sdpd | Method::Sph => Continuity::Summed,
+    };
     Terms {
-        continuity: match setup.method {
-            _ if options.printed_density_rate => Continuity::Printed,
-            // With noise the plain sum, whose adjoint is the pressure force: what is not adjoint heats the bath.
-            Method::SphBvf if options.corrected && setup.noise.is_none() => Continuity::Corrected,
-            Method::SphBvf => Continuity::Advected,
-            Method::Sdpd | Method::Sph => Continuity::Summed,
-        },
+        continuity,
         density_diffusion: None,
         moment: options.corrected.then_some(Moment),
         pressure: match setup.method {
@@ -311,6 +321,7 @@ fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
             Method::Sdpd | Method::Sph => Pressure::Squares,
         },
         viscosity: Viscosity { form },
+        fourth_order: continuity == Continuity::Corrected && form == Friction::Morris && one_fluid,
         transport_stress: moved.then_some(TransportStress),
         shift: moved.then_some(Shift::new(shift, setup.cutoff, setup.reference_speed)),
         noise: setup.noise.as_ref().map(ThermalNoise::new),

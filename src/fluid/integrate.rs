@@ -15,8 +15,8 @@ use crate::fluid::particles::Side;
 use crate::fluid::pass::{Rates, sweep_reactions};
 use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
-use crate::fluid::terms::continuity::corrected_rate;
-use crate::fluid::terms::{Continuity, Moment};
+use crate::fluid::terms::Moment;
+use crate::fluid::terms::continuity::{contraction, gradient};
 use crate::fluid::wall::{Obstacles, carry};
 use crate::fluid::wide::{sweep_densities, sweep_forces};
 use crate::vector::Vector;
@@ -258,9 +258,9 @@ impl<const D: usize> Flow<D> {
     /// What the sweep of densities leaves for that of forces besides densities: the second moments of the fluid and
     /// the reach of solids.
     pub(super) fn moments(&mut self) {
-        let corrected = self.terms.moment.is_some();
+        let (corrected, spread) = (self.terms.moment.is_some(), self.terms.makeup().spreads());
         for (side, rates) in self.sides.iter_mut().zip(&self.rates) {
-            note(side, rates, corrected);
+            note(side, rates, corrected, spread);
         }
     }
 
@@ -270,7 +270,7 @@ impl<const D: usize> Flow<D> {
         let (state, c) = (self.setup.state, self.sound_speed);
         let drift = self.density_drift();
         let corrected = self.terms.moment.is_some();
-        let spread = self.terms.continuity == Continuity::Corrected;
+        let spread = self.terms.makeup().spreads();
         let (domain, cutoff, closed) = (&self.domain, self.kernel.cutoff(), self.closed_axes());
         let size = Block::<D>::SIZE;
         let (worst, fault) = self
@@ -284,7 +284,7 @@ impl<const D: usize> Flow<D> {
                 let (mut worst, mut fault) = (0.0_f64, None::<(usize, Option<usize>)>);
                 let all = sides.iter_mut().zip(own).zip(rates).zip(positions).enumerate();
                 for (row, (((side, own), rates), place)) in all {
-                    note(side, rates, corrected);
+                    note(side, rates, corrected, spread);
                     if side.is_solid() {
                         // A block without fluid in reach is not swept for walls.
                         own.fraction = 1.0;
@@ -293,7 +293,7 @@ impl<const D: usize> Flow<D> {
                     own.fraction = rates.fraction;
                     let mut rate = rates.density;
                     if spread {
-                        rate += corrected_rate(side.density, &rates.moment, &rates.spread);
+                        rate -= side.density * contraction(&side.shear, dt);
                     }
                     side.density += dt * rate - drift * own.rest_density;
                     side.pressure = state.pressure(side.density, own.rest_density, c);
@@ -490,12 +490,18 @@ impl<const D: usize> Flow<D> {
     }
 }
 
-/// Takes what the sweep of densities found for that of forces.
+/// Takes what the sweep of densities found for that of forces and for the next.
 #[inline(always)]
-fn note<const D: usize>(side: &mut Side<D>, rates: &Rates<D>, corrected: bool) {
+fn note<const D: usize>(side: &mut Side<D>, rates: &Rates<D>, corrected: bool, spread: bool) {
     if side.is_solid() {
         side.reach = rates.density;
-    } else if corrected {
+        return;
+    }
+    (side.slope, side.free) = (rates.slope, rates.fraction == 0.0);
+    if corrected {
         (side.moment, side.uneven) = Moment.correction(&rates.moment);
+    }
+    if spread {
+        side.shear = gradient(&rates.moment, &rates.spread);
     }
 }

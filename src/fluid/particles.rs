@@ -2,6 +2,7 @@
 
 use crate::fluid::symmetric::Symmetric;
 use crate::vector::Vector;
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 /// What a particle is to its neighbours.
@@ -48,6 +49,13 @@ pub struct Side<const D: usize> {
     pub moment: Symmetric<D>,
     /// Of a solid Σ V W over the fluid before it, dimensionless; of a fluid without meaning.
     pub reach: f64,
+    /// ∇rho over the same fluid a step ago, kg/m⁴; zero without density diffusion. This and the next come last: with noise
+    /// nobody looks at them.
+    pub slope: Vector<D>,
+    /// ∂v_a/∂x_b, 1/s, where friction asks for it.
+    pub shear: SMatrix<f64, D, D>,
+    /// Whether no solid is in reach.
+    pub free: bool,
 }
 
 impl<const D: usize> Side<D> {

@@ -11,6 +11,7 @@ use crate::fluid::physics::{Makeup, Terms};
 use crate::fluid::symmetric::Symmetric;
 use crate::fluid::terms::Shift;
 use crate::fluid::terms::continuity::Spread;
+use crate::fluid::terms::density_diffusion::slope;
 use crate::space::domain::Shortest;
 use crate::space::kernel::Kernel;
 use crate::vector::Vector;
@@ -81,10 +82,17 @@ impl<const D: usize> Approach<D> {
         Symmetric::square(&self.x, self.f)
     }
 
-    /// The symmetric part of F (v_i - v_j)⊗x, the same from both sides.
+    /// F (rho_j - rho_i) x, the same from both sides.
+    #[inline(always)]
+    fn rise(&self) -> Vector<D> {
+        self.x * (self.f * self.denser)
+    }
+
+    /// F (v_i - v_j)⊗x, the same from both sides.
     #[inline(always)]
     fn spread(&self) -> Spread<D> {
-        Symmetric::of(&self.apart, &(self.x * self.f))
+        let x = self.x * self.f;
+        Spread::from_fn(|a, b| self.apart[a] * x[b])
     }
 }
 
@@ -95,8 +103,10 @@ pub struct Rates<const D: usize> {
     pub density: f64,
     /// Σ V_j F x⊗x.
     pub moment: Symmetric<D>,
-    /// The symmetric part of Σ V_j F (v_i - v_j)⊗x, 1/s.
+    /// Σ V_j F (v_i - v_j)⊗x, 1/s.
     pub spread: Spread<D>,
+    /// Σ V_j F (rho_j - rho_i) x over the same fluid, then its gradient of density; kg/m⁴.
+    pub slope: Vector<D>,
     /// Force per volume, N/m³.
     pub force: Vector<D>,
     /// Σ 2 V_j F x_ij, 1/m.
@@ -114,7 +124,8 @@ impl<const D: usize> Default for Rates<D> {
         Rates {
             density: 0.0,
             moment,
-            spread: moment,
+            spread: Spread::zeros(),
+            slope: none,
             force: none,
             crowding: none,
             fraction: 0.0,
@@ -144,7 +155,8 @@ pub(super) fn densities<const D: usize>(
     block.find(kernel, terms.shift_kernel(), shortest, (positions, sides));
     for rates in rates.iter_mut() {
         (rates.density, rates.fraction) = (0.0, 0.0);
-        (rates.moment, rates.spread) = (Symmetric::identity(0.0), Spread::identity(0.0));
+        (rates.moment, rates.spread) = (Symmetric::identity(0.0), Spread::zeros());
+        rates.slope = Vector::zeros();
     }
     // A copy of the sums for each usual set of terms.
     match terms.makeup() {
@@ -153,6 +165,12 @@ pub(super) fn densities<const D: usize>(
         Makeup::BATH => sum_densities(Makeup::BATH, block, rates, terms, sides),
         Makeup::THERMAL_BATH => sum_densities(Makeup::THERMAL_BATH, block, rates, terms, sides),
         any => sum_densities(any, block, rates, terms, sides),
+    }
+    if terms.density_diffusion.is_some() {
+        // Before solids add to the moments: they have no density of their own.
+        for rates in rates.iter_mut() {
+            rates.slope = slope(&rates.moment, &rates.slope);
+        }
     }
     if block.walls.contacts() > 0 {
         densities_at_walls(block, rates, terms, kernel, sides);
@@ -178,6 +196,11 @@ fn sum_densities<const D: usize>(
             let other = &mut rates[c.j as usize - first];
             sum.density += j.volume * terms.density(makeup, &approach, i, j);
             other.density += i.volume * terms.density(makeup, &approach.back(), j, i);
+            if makeup.density_diffusion && i.body == j.body {
+                let between = approach.rise();
+                sum.slope += between * j.volume;
+                other.slope += between * i.volume;
+            }
             if makeup.moment {
                 let between = approach.moment();
                 sum.moment.add_scaled(&between, j.volume);
@@ -185,8 +208,8 @@ fn sum_densities<const D: usize>(
             }
             if makeup.spreads() {
                 let between = approach.spread();
-                sum.spread.add_scaled(&between, j.volume);
-                other.spread.add_scaled(&between, i.volume);
+                sum.spread += between * j.volume;
+                other.spread += between * i.volume;
             }
         }
         for c in block.outer.row(row) {
@@ -226,12 +249,14 @@ struct Gain<const D: usize> {
     density: f64,
     moment: Symmetric<D>,
     spread: Spread<D>,
+    slope: Vector<D>,
 }
 
 impl<const D: usize> Default for Gain<D> {
     #[inline(always)]
     fn default() -> Gain<D> {
-        Gain { density: 0.0, moment: Symmetric::identity(0.0), spread: Spread::identity(0.0) }
+        let moment = Symmetric::identity(0.0);
+        Gain { density: 0.0, moment, spread: Spread::zeros(), slope: Vector::zeros() }
     }
 }
 
@@ -241,11 +266,14 @@ impl<const D: usize> Gain<D> {
     fn see(&mut self, makeup: Makeup, terms: &Terms<D>, c: &Contact<D>, i: &Side<D>, j: &Side<D>) {
         let approach = Approach::new(&c.x, c.weight, i, j);
         self.density += j.volume * terms.density(makeup, &approach, i, j);
+        if makeup.density_diffusion && i.body == j.body {
+            self.slope += approach.rise() * j.volume;
+        }
         if makeup.moment {
             self.moment.add_scaled(&approach.moment(), j.volume);
         }
         if makeup.spreads() {
-            self.spread.add_scaled(&approach.spread(), j.volume);
+            self.spread += approach.spread() * j.volume;
         }
     }
 
@@ -253,7 +281,8 @@ impl<const D: usize> Gain<D> {
     fn give(&self, rates: &mut Rates<D>) {
         rates.density += self.density;
         rates.moment.add_scaled(&self.moment, 1.0);
-        rates.spread.add_scaled(&self.spread, 1.0);
+        rates.spread += self.spread;
+        rates.slope += self.slope;
     }
 }
 

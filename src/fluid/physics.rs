@@ -17,6 +17,8 @@ pub struct Terms<const D: usize> {
     pub moment: Option<Moment>,
     pub pressure: Pressure,
     pub viscosity: Viscosity,
+    /// Whether friction between particles far from solids is of the fourth order, [`viscosity::beyond_the_second_order`].
+    pub fourth_order: bool,
     pub transport_stress: Option<TransportStress>,
     pub shift: Option<Shift<D>>,
     pub noise: Option<ThermalNoise<D>>,
@@ -27,10 +29,11 @@ pub struct Terms<const D: usize> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Makeup {
     continuity: Continuity,
-    density_diffusion: bool,
+    pub(super) density_diffusion: bool,
     pub(super) moment: bool,
     pressure: Pressure,
     form: Friction,
+    fourth_order: bool,
     transport_stress: bool,
     pub(super) shift: bool,
     pub(super) noise: bool,
@@ -44,18 +47,25 @@ impl Makeup {
         moment: true,
         pressure: Pressure::Weighted,
         form: Friction::Morris,
+        fourth_order: true,
         transport_stress: true,
         shift: true,
         noise: false,
     };
     /// SPH-BVF with noise.
-    pub const THERMAL_FLOW: Makeup =
-        Makeup { continuity: Continuity::Advected, density_diffusion: false, noise: true, ..Makeup::FLOW };
+    pub const THERMAL_FLOW: Makeup = Makeup {
+        continuity: Continuity::Advected,
+        density_diffusion: false,
+        fourth_order: false,
+        noise: true,
+        ..Makeup::FLOW
+    };
     /// SDPD without noise, and plain SPH.
     pub const BATH: Makeup = Makeup {
         continuity: Continuity::Summed,
         density_diffusion: false,
         pressure: Pressure::Squares,
+        fourth_order: false,
         transport_stress: false,
         shift: false,
         ..Makeup::FLOW
@@ -86,6 +96,7 @@ impl<const D: usize> Terms<D> {
             moment: self.moment.is_some(),
             pressure: self.pressure,
             form: self.viscosity.form,
+            fourth_order: self.fourth_order,
             transport_stress: self.transport_stress.is_some(),
             shift: self.shift.is_some(),
             noise: self.noise.is_some(),
@@ -145,7 +156,12 @@ impl<const D: usize> Terms<D> {
         let mut out = Vector::zeros();
         makeup.pressure.pair(p, i, j, &mut out);
         let rub = self.rub::<false>(makeup, p, i, j);
-        Viscosity { form: makeup.form }.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
+        let apart = if makeup.fourth_order && i.free && j.free {
+            viscosity::beyond_the_second_order(&p.x, i, j)
+        } else {
+            i.velocity - j.velocity
+        };
+        Viscosity { form: makeup.form }.pair(rub, &p.x, &apart, &mut out);
         if makeup.transport_stress {
             TransportStress.pair(p, i, j, &mut out);
         }

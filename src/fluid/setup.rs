@@ -218,7 +218,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Options {
         Options {
-            delta: 0.2,
+            delta: 0.1,
             shift: None,
             courant: None,
             // Fraction seen by a particle on a flat surface for h = 2.6-3 spacings, itself included.

@@ -1,6 +1,7 @@
 //! Symmetric matrices of `D` rows, by their diagonal and what stands beside it.
 
 use crate::vector::Vector;
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 /// A symmetric matrix: the entries (k, k) and the entries (k, k + 1), the last beside the first. In 2D only the
@@ -46,18 +47,6 @@ impl<const D: usize> Symmetric<D> {
         Symmetric { diagonal: scaled.component_mul(x), mixed }
     }
 
-    /// The symmetric part of a⊗b.
-    #[inline(always)]
-    #[must_use]
-    pub fn of(a: &Vector<D>, b: &Vector<D>) -> Symmetric<D> {
-        let mut mixed = Vector::zeros();
-        for k in 0..Self::MIXED {
-            let next = (k + 1) % D;
-            mixed[k] = 0.5 * (a[k] * b[next] + a[next] * b[k]);
-        }
-        Symmetric { diagonal: a.component_mul(b), mixed }
-    }
-
     /// Adds `scale` times another matrix.
     #[inline(always)]
     pub fn add_scaled(&mut self, other: &Symmetric<D>, scale: f64) {
@@ -89,40 +78,44 @@ impl<const D: usize> Symmetric<D> {
         self.diagonal.sum()
     }
 
-    /// tr(A⁻¹ M) with another symmetric matrix M, as with any whose symmetric part it is; `None` where the determinant
-    /// is below `least` (too few neighbours, or all in a line).
-    #[inline]
-    #[must_use]
-    pub fn inverse_contracted(&self, m: &Symmetric<D>, least: f64) -> Option<f64> {
+    /// The determinant and the matrix that divided by it is the inverse: its diagonal and its mixed entries.
+    #[inline(always)]
+    fn adjugate(&self) -> (f64, [f64; 3], [f64; 3]) {
         let (a, b) = (&self.diagonal, &self.mixed);
-        let (c, d) = (&m.diagonal, &m.mixed);
-        // Written so that "not a number" is refused too.
-        let enough = |determinant: f64| determinant > least;
         match D {
-            1 => enough(a[0]).then(|| c[0] / a[0]),
-            2 => {
-                let determinant = a[0] * a[1] - b[0] * b[0];
-                let sum = a[1] * c[0] + a[0] * c[1] - 2.0 * b[0] * d[0];
-                enough(determinant).then(|| sum / determinant)
-            }
+            1 => (a[0], [1.0, 0.0, 0.0], [0.0; 3]),
+            2 => (a[0] * a[1] - b[0] * b[0], [a[1], a[0], 0.0], [-b[0], 0.0, 0.0]),
             _ => {
                 // Mixed entries: (0, 1), (1, 2), (2, 0).
                 let minors =
                     [a[1] * a[2] - b[1] * b[1], a[2] * a[0] - b[2] * b[2], a[0] * a[1] - b[0] * b[0]];
                 let crossed =
                     [b[1] * b[2] - b[0] * a[2], b[2] * b[0] - b[1] * a[0], b[0] * b[1] - b[2] * a[1]];
-                let determinant = a[0] * minors[0] + b[0] * crossed[0] + b[2] * crossed[2];
-                let sum = (0..3).map(|k| minors[k] * c[k] + 2.0 * crossed[k] * d[k]).sum::<f64>();
-                enough(determinant).then(|| sum / determinant)
+                (a[0] * minors[0] + b[0] * crossed[0] + b[2] * crossed[2], minors, crossed)
             }
         }
+    }
+
+    /// M A⁻¹ with any matrix M of D columns; `None` where the determinant is below `least` (too few neighbours, or all in a line).
+    #[inline]
+    #[must_use]
+    pub fn divide<const R: usize>(&self, m: &SMatrix<f64, R, D>, least: f64) -> Option<SMatrix<f64, R, D>> {
+        let (determinant, minors, crossed) = self.adjugate();
+        // Written so that "not a number" is refused too.
+        (determinant > least).then(|| {
+            let inverse = SMatrix::<f64, D, D>::from_fn(|k, l| match (l + 3 - k) % 3 {
+                0 => minors[k],
+                1 => crossed[k],
+                _ => crossed[l],
+            });
+            m * inverse / determinant
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::SMatrix;
     use rand::{Rng, SeedableRng};
 
     fn agrees_with_products<const D: usize>() {
@@ -144,28 +137,21 @@ mod tests {
             for _ in 0..3 {
                 sum.add_square(&Vector::from_fn(|_, _| any()), 1.0);
             }
-            // M = A B for any B: tr(A⁻¹ A B) = tr B.
-            let other = SMatrix::<f64, D, D>::from_fn(|_, _| any());
             let whole = SMatrix::<f64, D, D>::from_fn(|k, l| match (l + 3 - k) % 3 {
                 0 => sum.diagonal[k],
                 1 => sum.mixed[k],
                 _ => sum.mixed[l],
             });
-            let product = whole * other;
-            let mut half = Symmetric::<D>::identity(0.0);
-            for k in 0..D {
-                let unit = Vector::from_fn(|l, _| f64::from(u8::from(k == l)));
-                half.add_scaled(&Symmetric::of(&unit, &product.row(k).transpose()), 1.0);
-            }
-            let trace = sum.inverse_contracted(&half, 1e-3).expect("positive");
+            let any = SMatrix::<f64, D, D>::from_fn(|_, _| any());
+            let back = sum.divide(&(any * whole), 1e-3).expect("positive");
             // Rounding, times the condition of A.
-            assert!((trace - other.trace()).abs() < 1e-13, "{trace} {}", other.trace());
+            assert!((back - any).norm() < 1e-13, "{back} {any}");
         }
-        assert_eq!(Symmetric::<D>::identity(0.0).inverse_contracted(&Symmetric::identity(1.0), 1e-3), None);
+        assert_eq!(Symmetric::<D>::identity(0.0).divide(&SMatrix::<f64, D, D>::identity(), 1e-3), None);
     }
 
     #[test]
-    fn contraction_with_the_inverse_in_every_dimension() {
+    fn a_product_is_divided_in_every_dimension() {
         inverts::<1>();
         inverts::<2>();
         inverts::<3>();

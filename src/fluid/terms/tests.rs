@@ -7,6 +7,7 @@ use crate::fluid::setup::Friction;
 use crate::fluid::symmetric::Symmetric;
 use crate::space::kernel::{Kernel, KernelKind};
 use crate::vector::Vector;
+use nalgebra::SMatrix;
 use rand::{Rng, SeedableRng};
 
 type V = Vector<3>;
@@ -28,6 +29,9 @@ pub fn side<const D: usize>(density: f64, pressure: f64) -> Side<D> {
         moment: Symmetric::identity(1.0),
         uneven: false,
         reach: 0.0,
+        slope: Vector::zeros(),
+        shear: SMatrix::zeros(),
+        free: false,
     }
 }
 
@@ -179,5 +183,60 @@ fn both_forms_of_friction_have_the_same_shear_viscosity() {
         }
         // The lattice sum of the fourth moment at h = 4: about a per cent.
         assert!((stress - 1.0).abs() < 0.02, "{form:?}: {stress}");
+    }
+}
+
+#[test]
+fn friction_beyond_the_second_order_is_of_the_fourth() {
+    // v = (0, cos kx) on a square lattice, h = 3: rate of decay over k² at x = 0, gradients from the same sums.
+    let kernel = Kernel::<2>::new(KernelKind::Lucy, 3.0);
+    let around = |centre: Vector<2>| {
+        (0..49).filter_map(move |n| {
+            let step = Vector::<2>::new(f64::from(n % 7) - 3.0, f64::from(n / 7) - 3.0);
+            (step.norm() > 0.5).then_some(centre + step)
+        })
+    };
+    let here = Vector::<2>::zeros();
+    let moment: f64 = around(here).map(|y| kernel.f(y.norm()) * y[0] * y[0]).sum();
+    let error = |k: f64, fourth: bool| {
+        let at = |x: Vector<2>| {
+            let v = |x: Vector<2>| (k * x[0]).cos();
+            let sum: f64 = around(x).map(|y| kernel.f((x - y).norm()) * (v(x) - v(y)) * (x - y)[0]).sum();
+            let mut one = Side { velocity: Vector::<2>::new(0.0, v(x)), ..side(1.0, 0.0) };
+            one.shear[(1, 0)] = sum / moment;
+            one
+        };
+        let i = at(here);
+        let rate: f64 = around(here)
+            .map(|y| {
+                let j = at(y);
+                let apart = if fourth {
+                    viscosity::beyond_the_second_order(&(here - y), &i, &j)
+                } else {
+                    i.velocity - j.velocity
+                };
+                2.0 * kernel.f(y.norm()) * apart[1] / moment
+            })
+            .sum();
+        (rate / (k * k) - 1.0).abs()
+    };
+    let order = |fourth: bool| (error(0.2, fourth) / error(0.1, fourth)).log2();
+    // The next terms are smaller by (kh)²/20 or so.
+    assert!((order(false) - 2.0).abs() < 0.05, "{}", order(false));
+    assert!((order(true) - 4.0).abs() < 0.1, "{}", order(true));
+    // A linear velocity has the friction of v_i - v_j, and the pair's forces are opposite.
+    for (mut i, mut j, pair) in pairs() {
+        i.shear = nalgebra::Matrix3::new(0.1, 0.7, -0.3, 0.2, -0.4, 0.5, 0.9, -0.1, 0.3);
+        j.shear = i.shear;
+        j.velocity = i.velocity - i.shear * pair.x;
+        let both = viscosity::beyond_the_second_order(&pair.x, &i, &j);
+        // Rounding of a dozen operations.
+        assert!((both - (i.velocity - j.velocity)).norm() < 1e-14);
+        j.velocity[0] += 1.0;
+        let (there, back) = (
+            viscosity::beyond_the_second_order(&pair.x, &i, &j),
+            viscosity::beyond_the_second_order(&-pair.x, &j, &i),
+        );
+        assert!((there + back).norm() < 1e-14);
     }
 }

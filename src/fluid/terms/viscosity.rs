@@ -37,6 +37,23 @@ impl Viscosity {
     }
 }
 
+/// (1 + θ)(v_i - v_j) - θ/2 (∇v_i + ∇v_j)·x with θ = 1/3, to take the place of v_i - v_j in the form of Morris, m/s.
+///
+/// Σ 2 V_j F (v_i - v_j) is -∇²v - M/12 ∇⁴v, M the fourth moment of F along a line, 0.27 h² for Lucy's kernel in the plane: a
+/// vortex of 50 spacings decays 0.65 % too slowly. With r along x, what is added is θ (-r³ ∂³v/12 + r⁴ ∂⁴v/24), of which the
+/// sum is -θ M/12 ∇⁴v; gradients summed with the same F are too large by M/6 ∇²∇v, which adds twice as much again:
+/// together 3 θ M/12 ∇⁴v, so θ = 1/3 takes the error out. The pair's forces stay opposite. And it dissipates at every
+/// wavelength: with σ = Σ 4 V F sin²(k·x/2) and S² = |Σ V F x sin(k·x)|² ≤ Σ V F sin²(k·x) ≤ σ the rate is
+/// (1 + θ) σ - θ S² ≥ σ, and at most 4/3 σ.
+#[inline(always)]
+#[must_use]
+pub fn beyond_the_second_order<const D: usize>(x: &Vector<D>, i: &Side<D>, j: &Side<D>) -> Vector<D> {
+    (i.velocity - j.velocity) * (1.0 + THETA) - (i.shear + j.shear) * (x * (0.5 * THETA))
+}
+
+/// θ of [`beyond_the_second_order`].
+pub const THETA: f64 = 1.0 / 3.0;
+
 /// The viscosity that acts between fluid i and j, Pa s.
 #[inline(always)]
 #[must_use]
