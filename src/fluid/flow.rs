@@ -5,7 +5,7 @@ use crate::fluid::blocks::Block;
 use crate::fluid::mirror::Mirror;
 use crate::fluid::noise::ThermalNoise;
 use crate::fluid::open::{Open, Openings};
-use crate::fluid::particles::{Material, Own, Side};
+use crate::fluid::particles::{Material, Own, Side, Slopes};
 use crate::fluid::pass::Rates;
 use crate::fluid::physics::Terms;
 use crate::fluid::setup::{Body, BodyKind, EquationOfState, Friction, Method, Setup, Slip, Sponge};
@@ -16,7 +16,6 @@ use crate::fluid::terms::{
 use crate::space::domain::{Domain, Shortest};
 use crate::space::kernel::Kernel;
 use crate::vector::Vector;
-use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 /// A flow in progress.
@@ -26,6 +25,8 @@ pub struct Flow<const D: usize> {
     pub(super) positions: Vec<Vector<D>>,
     pub(super) sides: Vec<Side<D>>,
     pub(super) own: Vec<Own<D>>,
+    /// Empty where nobody looks at them.
+    pub(super) slopes: Vec<Slopes<D>>,
     pub(super) sound_speed: f64,
     pub(super) tally: Tally,
     pub(super) kernel: Kernel<D>,
@@ -139,9 +140,6 @@ impl<const D: usize> Flow<D> {
                 moment: Symmetric::identity(1.0),
                 uneven: false,
                 reach: 0.0,
-                slope: Vector::zeros(),
-                shear: SMatrix::zeros(),
-                free: false,
             });
             own.push(Own {
                 mass: density * placed.volume,
@@ -193,6 +191,7 @@ impl<const D: usize> Flow<D> {
             positions,
             sides,
             own,
+            slopes: vec![Slopes::default(); if delta > 0.0 || terms.fourth_order { n } else { 0 }],
             sound_speed,
             tally: Tally::default(),
             terms,

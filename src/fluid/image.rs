@@ -7,7 +7,7 @@ use crate::fluid::elastic::Kept;
 use crate::fluid::flow::{Flow, Tally};
 use crate::fluid::motion::Motion;
 use crate::fluid::open::Zone;
-use crate::fluid::particles::{Own, Side};
+use crate::fluid::particles::{Own, Side, Slopes};
 use crate::fluid::rigid::Rigid;
 use crate::fluid::setup::BodyKind;
 use crate::vector::Vector;
@@ -26,6 +26,7 @@ pub struct Image<'a, const D: usize> {
     listed: Cow<'a, [Vector<D>]>,
     sides: Cow<'a, [Side<D>]>,
     own: Cow<'a, [Own<D>]>,
+    slopes: Cow<'a, [Slopes<D>]>,
     blocks: Cow<'a, [Block<D>]>,
     tally: Tally,
     /// Body by body, those that the fluid moves.
@@ -56,6 +57,7 @@ impl<const D: usize> Flow<D> {
             listed: Cow::Borrowed(&self.listed),
             sides: Cow::Borrowed(&self.sides),
             own: Cow::Borrowed(&self.own),
+            slopes: Cow::Borrowed(&self.slopes),
             blocks: Cow::Borrowed(&self.blocks),
             tally: self.tally.clone(),
             free: self.bodies.iter().map(|body| free(&body.kind)).collect(),
@@ -76,6 +78,7 @@ impl<const D: usize> Flow<D> {
             && image.listed.len() == n
             && image.sides.len() == n
             && image.own.len() == n
+            && image.slopes.len() == self.slopes.len()
             && image.blocks.len() == self.blocks.len()
             && image.free.len() == self.bodies.len()
             && image.elastic.len() == self.bodies.len()
@@ -91,6 +94,7 @@ impl<const D: usize> Flow<D> {
         self.listed = image.listed.into_owned();
         self.sides = image.sides.into_owned();
         self.own = image.own.into_owned();
+        self.slopes = image.slopes.into_owned();
         self.blocks = image.blocks.into_owned();
         self.tally = image.tally;
         for (body, saved) in self.bodies.iter_mut().zip(image.free) {

@@ -17,6 +17,7 @@ use crate::fluid::setup::BodyKind;
 use crate::fluid::sponge::Relaxation;
 use crate::fluid::terms::Moment;
 use crate::fluid::terms::continuity::{contraction, gradient};
+use crate::fluid::terms::viscosity::THETA;
 use crate::fluid::wall::{Obstacles, carry};
 use crate::fluid::wide::{sweep_densities, sweep_forces};
 use crate::vector::Vector;
@@ -129,7 +130,8 @@ impl<const D: usize> Flow<D> {
         self.begin_noise(dt);
         // At the places of now: those of the last sweep are not kept with a state, and walls moved some particles since.
         self.find_contacts();
-        let (terms, kernel, sides, gravity) = (&self.terms, &self.kernel, &self.sides, self.setup.gravity);
+        let (terms, kernel, gravity) = (&self.terms, &self.kernel, self.setup.gravity);
+        let (sides, slopes) = (&self.sides, &self.slopes);
         let asks = &self.asks;
         let asked = asks.iter().any(|&asks| asks);
         self.blocks
@@ -137,7 +139,7 @@ impl<const D: usize> Flow<D> {
             .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
             .zip(self.own.par_chunks_mut(Block::<D>::SIZE))
             .for_each(|((block, rates), own)| {
-                sweep_forces(block, rates, terms, kernel, sides);
+                sweep_forces(block, rates, terms, kernel, (sides, slopes));
                 if asked {
                     sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
                 }
@@ -226,6 +228,9 @@ impl<const D: usize> Flow<D> {
         self.positions = order.iter().map(|&i| self.positions[i as usize]).collect();
         self.sides = order.iter().map(|&i| self.sides[i as usize]).collect();
         self.own = order.iter().map(|&i| self.own[i as usize]).collect();
+        if !self.slopes.is_empty() {
+            self.slopes = order.iter().map(|&i| self.slopes[i as usize]).collect();
+        }
         self.solids = (0..self.sides.len() as u32).filter(|&i| self.sides[i as usize].is_solid()).collect();
     }
 
@@ -247,10 +252,10 @@ impl<const D: usize> Flow<D> {
 
     pub(super) fn densities(&mut self) {
         let (terms, kernel, shortest) = (&self.terms, &self.kernel, &self.shortest);
-        let (positions, sides) = (&self.positions, &self.sides);
+        let (positions, sides, slopes) = (&self.positions, &self.sides, &self.slopes);
         self.blocks.par_iter_mut().zip(self.rates.par_chunks_mut(Block::<D>::SIZE)).for_each(
             |(block, rates)| {
-                sweep_densities(block, rates, terms, kernel, shortest, positions, sides);
+                sweep_densities(block, rates, terms, kernel, shortest, positions, (sides, slopes));
             },
         );
     }
@@ -259,9 +264,36 @@ impl<const D: usize> Flow<D> {
     /// the reach of solids.
     pub(super) fn moments(&mut self) {
         let (corrected, spread) = (self.terms.moment.is_some(), self.terms.makeup().spreads());
-        for (side, rates) in self.sides.iter_mut().zip(&self.rates) {
-            note(side, rates, corrected, spread);
+        for (side, rates) in self.sides.iter_mut().zip(&mut self.rates) {
+            note(side, rates, corrected);
+            if spread {
+                rates.spread = gradient(&rates.moment, &rates.spread);
+            }
         }
+        self.show_slopes();
+    }
+
+    /// What neighbours see besides [`Side`]s where there is no noise.
+    fn show_slopes(&mut self) {
+        let moved = self.terms.shift.is_some();
+        let size = Block::<D>::SIZE;
+        self.slopes
+            .par_chunks_mut(size)
+            .zip(self.sides.par_chunks(size))
+            .zip(self.rates.par_chunks(size))
+            .for_each(|((slopes, sides), rates)| {
+                for ((slopes, side), rates) in slopes.iter_mut().zip(sides).zip(rates) {
+                    if side.is_solid() {
+                        continue;
+                    }
+                    slopes.density = rates.slope;
+                    slopes.free = rates.fraction == 0.0;
+                    slopes.flux = rates.spread * (-THETA * side.viscosity);
+                    if moved {
+                        slopes.flux += side.velocity * side.drift.transpose() * side.density;
+                    }
+                }
+            });
     }
 
     /// rho += dt drho/dt, p of the equation of state, V = m/rho; and every so often takes the mean drift of the
@@ -277,14 +309,14 @@ impl<const D: usize> Flow<D> {
             .sides
             .par_chunks_mut(size)
             .zip(self.own.par_chunks_mut(size))
-            .zip(self.rates.par_chunks(size))
+            .zip(self.rates.par_chunks_mut(size))
             .zip(self.positions.par_chunks(size))
             .enumerate()
             .map(|(chunk, (((sides, own), rates), positions))| {
                 let (mut worst, mut fault) = (0.0_f64, None::<(usize, Option<usize>)>);
                 let all = sides.iter_mut().zip(own).zip(rates).zip(positions).enumerate();
                 for (row, (((side, own), rates), place)) in all {
-                    note(side, rates, corrected, spread);
+                    note(side, rates, corrected);
                     if side.is_solid() {
                         // A block without fluid in reach is not swept for walls.
                         own.fraction = 1.0;
@@ -293,7 +325,8 @@ impl<const D: usize> Flow<D> {
                     own.fraction = rates.fraction;
                     let mut rate = rates.density;
                     if spread {
-                        rate -= side.density * contraction(&side.shear, dt);
+                        rates.spread = gradient(&rates.moment, &rates.spread);
+                        rate -= side.density * contraction(&rates.spread, dt);
                     }
                     side.density += dt * rate - drift * own.rest_density;
                     side.pressure = state.pressure(side.density, own.rest_density, c);
@@ -320,6 +353,7 @@ impl<const D: usize> Flow<D> {
             // The first fault in the order of the particles.
             .reduce(|| (0.0, None), |a, b| (a.0.max(b.0), a.1.or(b.1)));
         self.tally.largest_density_change = self.tally.largest_density_change.max(worst);
+        self.show_slopes();
         match fault {
             None => Ok(()),
             Some((i, None)) if !self.sides[i].velocity.iter().all(|v| v.is_finite()) => {
@@ -413,7 +447,7 @@ impl<const D: usize> Flow<D> {
     pub(super) fn forces(&mut self, dt: f64) {
         self.begin_noise(dt);
         let (terms, kernel) = (&self.terms, &self.kernel);
-        let (sides, positions, asks) = (&self.sides, &self.positions, &self.asks);
+        let (sides, slopes, positions, asks) = (&self.sides, &self.slopes, &self.positions, &self.asks);
         let asked = asks.iter().any(|&asks| asks);
         let obstacles = Obstacles {
             bodies: &self.bodies,
@@ -430,7 +464,7 @@ impl<const D: usize> Flow<D> {
             .par_iter()
             .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
             .map(|(block, rates)| {
-                sweep_forces(block, rates, terms, kernel, sides);
+                sweep_forces(block, rates, terms, kernel, (sides, slopes));
                 if asked {
                     sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
                 }
@@ -490,18 +524,12 @@ impl<const D: usize> Flow<D> {
     }
 }
 
-/// Takes what the sweep of densities found for that of forces and for the next.
+/// Takes what the sweep of densities found for that of forces.
 #[inline(always)]
-fn note<const D: usize>(side: &mut Side<D>, rates: &Rates<D>, corrected: bool, spread: bool) {
+fn note<const D: usize>(side: &mut Side<D>, rates: &Rates<D>, corrected: bool) {
     if side.is_solid() {
         side.reach = rates.density;
-        return;
-    }
-    (side.slope, side.free) = (rates.slope, rates.fraction == 0.0);
-    if corrected {
+    } else if corrected {
         (side.moment, side.uneven) = Moment.correction(&rates.moment);
-    }
-    if spread {
-        side.shear = gradient(&rates.moment, &rates.spread);
     }
 }

@@ -49,13 +49,6 @@ pub struct Side<const D: usize> {
     pub moment: Symmetric<D>,
     /// Of a solid Σ V W over the fluid before it, dimensionless; of a fluid without meaning.
     pub reach: f64,
-    /// ∇rho over the same fluid a step ago, kg/m⁴; zero without density diffusion. This and the next come last: with noise
-    /// nobody looks at them.
-    pub slope: Vector<D>,
-    /// ∂v_a/∂x_b, 1/s, where friction asks for it.
-    pub shear: SMatrix<f64, D, D>,
-    /// Whether no solid is in reach.
-    pub free: bool,
 }
 
 impl<const D: usize> Side<D> {
@@ -71,6 +64,25 @@ impl<const D: usize> Side<D> {
     #[must_use]
     pub fn is_solid(&self) -> bool {
         self.material != Material::Fluid
+    }
+}
+
+/// What a particle shows to its neighbours besides its [`Side`] where there is no noise. Apart from it, since with noise
+/// nobody looks at it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Slopes<const D: usize> {
+    /// ∇rho over the same fluid, kg/m⁴; zero without density diffusion.
+    pub density: Vector<D>,
+    /// rho v⊗w - θ eta ∇v, N/m²: what momentum the drift w carries, and what makes friction one of the fourth order
+    /// ([`beyond_the_second_order`](crate::fluid::terms::viscosity::beyond_the_second_order)).
+    pub flux: SMatrix<f64, D, D>,
+    /// Whether no solid is in reach.
+    pub free: bool,
+}
+
+impl<const D: usize> Default for Slopes<D> {
+    fn default() -> Slopes<D> {
+        Slopes { density: Vector::zeros(), flux: SMatrix::zeros(), free: false }
     }
 }
 

@@ -6,7 +6,7 @@
 //! another does and the order of every sum is that of the lists.
 
 use crate::fluid::blocks::{Block, Contact};
-use crate::fluid::particles::Side;
+use crate::fluid::particles::{Side, Slopes};
 use crate::fluid::physics::{Makeup, Terms};
 use crate::fluid::symmetric::Symmetric;
 use crate::fluid::terms::Shift;
@@ -51,6 +51,8 @@ pub struct Approach<const D: usize> {
     pub drifting: f64,
     /// rho_j - rho_i, kg/m³.
     pub denser: f64,
+    /// What a density of constant slope would have of it, -½ (∇rho_i + ∇rho_j)·x where gradients are known, kg/m³.
+    pub sloping: f64,
 }
 
 impl<const D: usize> Approach<D> {
@@ -66,6 +68,7 @@ impl<const D: usize> Approach<D> {
             opening: apart.dot(x),
             drifting: (i.drift + j.drift).dot(x),
             denser: j.density - i.density,
+            sloping: 0.0,
         }
     }
 
@@ -73,7 +76,14 @@ impl<const D: usize> Approach<D> {
     #[inline(always)]
     #[must_use]
     pub fn back(&self) -> Approach<D> {
-        Approach { x: -self.x, apart: -self.apart, drifting: -self.drifting, denser: -self.denser, ..*self }
+        Approach {
+            x: -self.x,
+            apart: -self.apart,
+            drifting: -self.drifting,
+            denser: -self.denser,
+            sloping: -self.sloping,
+            ..*self
+        }
     }
 
     /// F x⊗x, the same from both sides.
@@ -150,7 +160,7 @@ pub(super) fn densities<const D: usize>(
     kernel: &Kernel<D>,
     shortest: &Shortest<D>,
     positions: &[Vector<D>],
-    sides: &[Side<D>],
+    (sides, slopes): (&[Side<D>], &[Slopes<D>]),
 ) {
     block.find(kernel, terms.shift_kernel(), shortest, (positions, sides));
     for rates in rates.iter_mut() {
@@ -160,11 +170,11 @@ pub(super) fn densities<const D: usize>(
     }
     // A copy of the sums for each usual set of terms.
     match terms.makeup() {
-        Makeup::FLOW => sum_densities(Makeup::FLOW, block, rates, terms, sides),
-        Makeup::THERMAL_FLOW => sum_densities(Makeup::THERMAL_FLOW, block, rates, terms, sides),
-        Makeup::BATH => sum_densities(Makeup::BATH, block, rates, terms, sides),
-        Makeup::THERMAL_BATH => sum_densities(Makeup::THERMAL_BATH, block, rates, terms, sides),
-        any => sum_densities(any, block, rates, terms, sides),
+        Makeup::FLOW => sum_densities(Makeup::FLOW, block, rates, terms, (sides, slopes)),
+        Makeup::THERMAL_FLOW => sum_densities(Makeup::THERMAL_FLOW, block, rates, terms, (sides, slopes)),
+        Makeup::BATH => sum_densities(Makeup::BATH, block, rates, terms, (sides, slopes)),
+        Makeup::THERMAL_BATH => sum_densities(Makeup::THERMAL_BATH, block, rates, terms, (sides, slopes)),
+        any => sum_densities(any, block, rates, terms, (sides, slopes)),
     }
     if terms.density_diffusion.is_some() {
         // Before solids add to the moments: they have no density of their own.
@@ -184,7 +194,7 @@ fn sum_densities<const D: usize>(
     block: &Block<D>,
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
-    sides: &[Side<D>],
+    (sides, slopes): (&[Side<D>], &[Slopes<D>]),
 ) {
     let first = block.first;
     for row in 0..rates.len() {
@@ -192,7 +202,7 @@ fn sum_densities<const D: usize>(
         let mut sum = Gain::default();
         for c in block.inner.row(row) {
             let j = &sides[c.j as usize];
-            let approach = Approach::new(&c.x, c.weight, i, j);
+            let approach = between(makeup, &c, (i, j), slopes, (first + row, c.j as usize));
             let other = &mut rates[c.j as usize - first];
             sum.density += j.volume * terms.density(makeup, &approach, i, j);
             other.density += i.volume * terms.density(makeup, &approach.back(), j, i);
@@ -213,10 +223,28 @@ fn sum_densities<const D: usize>(
             }
         }
         for c in block.outer.row(row) {
-            sum.see(makeup, terms, &c, i, &sides[c.j as usize]);
+            let j = &sides[c.j as usize];
+            let approach = between(makeup, &c, (i, j), slopes, (first + row, c.j as usize));
+            sum.see(makeup, terms, &approach, i, j);
         }
         sum.give(&mut rates[row]);
     }
+}
+
+/// The approach of two fluid particles, whose numbers come last.
+#[inline(always)]
+fn between<const D: usize>(
+    makeup: Makeup,
+    c: &Contact<D>,
+    (i, j): (&Side<D>, &Side<D>),
+    slopes: &[Slopes<D>],
+    (mine, yours): (usize, usize),
+) -> Approach<D> {
+    let mut approach = Approach::new(&c.x, c.weight, i, j);
+    if makeup.density_diffusion {
+        approach.sloping = -0.5 * (slopes[mine].density + slopes[yours].density).dot(&c.x);
+    }
+    approach
 }
 
 /// What fluid and solid get from each other in the first sweep.
@@ -237,7 +265,8 @@ fn densities_at_walls<const D: usize>(
             rates.fraction = fraction(block, row, i, kernel, sides);
             let mut sum = Gain::default();
             for c in block.walls.row(row) {
-                sum.see(makeup, terms, &c, i, &sides[c.j as usize]);
+                let j = &sides[c.j as usize];
+                sum.see(makeup, terms, &Approach::new(&c.x, c.weight, i, j), i, j);
             }
             sum.give(rates);
         }
@@ -263,9 +292,8 @@ impl<const D: usize> Default for Gain<D> {
 impl<const D: usize> Gain<D> {
     /// Adds what i gains from j.
     #[inline(always)]
-    fn see(&mut self, makeup: Makeup, terms: &Terms<D>, c: &Contact<D>, i: &Side<D>, j: &Side<D>) {
-        let approach = Approach::new(&c.x, c.weight, i, j);
-        self.density += j.volume * terms.density(makeup, &approach, i, j);
+    fn see(&mut self, makeup: Makeup, terms: &Terms<D>, approach: &Approach<D>, i: &Side<D>, j: &Side<D>) {
+        self.density += j.volume * terms.density(makeup, approach, i, j);
         if makeup.density_diffusion && i.body == j.body {
             self.slope += approach.rise() * j.volume;
         }
@@ -309,18 +337,18 @@ pub(super) fn forces<const D: usize>(
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
     kernel: &Kernel<D>,
-    sides: &[Side<D>],
+    (sides, slopes): (&[Side<D>], &[Slopes<D>]),
 ) {
     let none = Vector::zeros();
     for rates in rates.iter_mut() {
         (rates.force, rates.crowding, rates.correction) = (none, none, none);
     }
     match terms.makeup() {
-        Makeup::FLOW => sum_forces(Makeup::FLOW, block, rates, terms, sides),
-        Makeup::THERMAL_FLOW => sum_forces(Makeup::THERMAL_FLOW, block, rates, terms, sides),
-        Makeup::BATH => sum_forces(Makeup::BATH, block, rates, terms, sides),
-        Makeup::THERMAL_BATH => sum_forces(Makeup::THERMAL_BATH, block, rates, terms, sides),
-        any => sum_forces(any, block, rates, terms, sides),
+        Makeup::FLOW => sum_forces(Makeup::FLOW, block, rates, terms, (sides, slopes)),
+        Makeup::THERMAL_FLOW => sum_forces(Makeup::THERMAL_FLOW, block, rates, terms, (sides, slopes)),
+        Makeup::BATH => sum_forces(Makeup::BATH, block, rates, terms, (sides, slopes)),
+        Makeup::THERMAL_BATH => sum_forces(Makeup::THERMAL_BATH, block, rates, terms, (sides, slopes)),
+        any => sum_forces(any, block, rates, terms, (sides, slopes)),
     }
     if block.walls.contacts() > 0 {
         forces_at_walls(block, rates, terms, kernel, sides);
@@ -334,7 +362,7 @@ fn sum_forces<const D: usize>(
     block: &Block<D>,
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
-    sides: &[Side<D>],
+    (sides, slopes): (&[Side<D>], &[Slopes<D>]),
 ) {
     let first = block.first;
     for row in 0..rates.len() {
@@ -343,7 +371,8 @@ fn sum_forces<const D: usize>(
         for c in block.inner.row(row) {
             let j = &sides[c.j as usize];
             let pair = Pair::new(&c);
-            let between = terms.force(makeup, &pair, i, j);
+            let slopes = makeup.fourth_order.then(|| [&slopes[first + row], &slopes[c.j as usize]]);
+            let between = terms.force(makeup, &pair, i, j, slopes);
             let other = &mut rates[c.j as usize - first];
             force += between * j.volume;
             other.force -= between * i.volume;
@@ -356,7 +385,8 @@ fn sum_forces<const D: usize>(
         for c in block.outer.row(row) {
             let j = &sides[c.j as usize];
             let pair = Pair::new(&c);
-            force += terms.force(makeup, &pair, i, j) * j.volume;
+            let slopes = makeup.fourth_order.then(|| [&slopes[first + row], &slopes[c.j as usize]]);
+            force += terms.force(makeup, &pair, i, j, slopes) * j.volume;
             if makeup.shift {
                 crowding += Shift::pair(&pair) * j.volume;
             }

@@ -1,7 +1,7 @@
 //! The physics of a flow: terms added up.
 
 use crate::fluid::noise::ThermalNoise;
-use crate::fluid::particles::Side;
+use crate::fluid::particles::{Side, Slopes};
 use crate::fluid::pass::{Approach, Pair};
 use crate::fluid::setup::Friction;
 use crate::fluid::terms::{
@@ -33,7 +33,7 @@ pub struct Makeup {
     pub(super) moment: bool,
     pressure: Pressure,
     form: Friction,
-    fourth_order: bool,
+    pub(super) fourth_order: bool,
     transport_stress: bool,
     pub(super) shift: bool,
     pub(super) noise: bool,
@@ -150,20 +150,32 @@ impl<const D: usize> Terms<D> {
         out
     }
 
-    /// The force between fluid i and j, N/m³ times m^-D: V_j of it is the force per volume of i.
+    /// The force between fluid i and j, N/m³ times m^-D: V_j of it is the force per volume of i. `slopes` are theirs where
+    /// friction is of the fourth order.
     #[inline(always)]
-    pub(super) fn force(&self, makeup: Makeup, p: &Pair<D>, i: &Side<D>, j: &Side<D>) -> Vector<D> {
+    pub(super) fn force(
+        &self,
+        makeup: Makeup,
+        p: &Pair<D>,
+        i: &Side<D>,
+        j: &Side<D>,
+        slopes: Option<[&Slopes<D>; 2]>,
+    ) -> Vector<D> {
         let mut out = Vector::zeros();
         makeup.pressure.pair(p, i, j, &mut out);
         let rub = self.rub::<false>(makeup, p, i, j);
-        let apart = if makeup.fourth_order && i.free && j.free {
-            viscosity::beyond_the_second_order(&p.x, i, j)
+        let friction = Viscosity { form: makeup.form };
+        if let Some([a, b]) = slopes
+            && a.free
+            && b.free
+        {
+            friction.pair(rub, &p.x, &viscosity::beyond_the_second_order(i, j), &mut out);
+            out -= (a.flux + b.flux) * (p.x * p.f);
         } else {
-            i.velocity - j.velocity
-        };
-        Viscosity { form: makeup.form }.pair(rub, &p.x, &apart, &mut out);
-        if makeup.transport_stress {
-            TransportStress.pair(p, i, j, &mut out);
+            friction.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
+            if makeup.transport_stress {
+                TransportStress.pair(p, i, j, &mut out);
+            }
         }
         if makeup.noise
             && let Some(noise) = &self.noise

@@ -3,7 +3,7 @@
 
 use crate::fluid::blocks::Block;
 use crate::fluid::candidates::Candidates;
-use crate::fluid::particles::Side;
+use crate::fluid::particles::{Side, Slopes};
 use crate::fluid::pass::{Rates, densities, forces};
 use crate::fluid::physics::Terms;
 use crate::space::domain::Shortest;
@@ -18,7 +18,7 @@ pub fn sweep_densities<const D: usize>(
     kernel: &Kernel<D>,
     shortest: &Shortest<D>,
     positions: &[Vector<D>],
-    sides: &[Side<D>],
+    seen: (&[Side<D>], &[Slopes<D>]),
 ) {
     #[cfg(target_arch = "x86_64")]
     {
@@ -30,16 +30,16 @@ pub fn sweep_densities<const D: usize>(
             kernel: &Kernel<D>,
             shortest: &Shortest<D>,
             positions: &[Vector<D>],
-            sides: &[Side<D>],
+            seen: (&[Side<D>], &[Slopes<D>]),
         ) {
-            densities(block, rates, terms, kernel, shortest, positions, sides);
+            densities(block, rates, terms, kernel, shortest, positions, seen);
         }
         if has_avx2() {
             // SAFETY: the processor has been asked for AVX2 in the line above.
-            return unsafe { wide(block, rates, terms, kernel, shortest, positions, sides) };
+            return unsafe { wide(block, rates, terms, kernel, shortest, positions, seen) };
         }
     }
-    densities(block, rates, terms, kernel, shortest, positions, sides);
+    densities(block, rates, terms, kernel, shortest, positions, seen);
 }
 
 /// Second sweep over a block: forces and crowding of the fluid particles, from the contacts of the first.
@@ -48,7 +48,7 @@ pub fn sweep_forces<const D: usize>(
     rates: &mut [Rates<D>],
     terms: &Terms<D>,
     kernel: &Kernel<D>,
-    sides: &[Side<D>],
+    seen: (&[Side<D>], &[Slopes<D>]),
 ) {
     #[cfg(target_arch = "x86_64")]
     {
@@ -58,16 +58,16 @@ pub fn sweep_forces<const D: usize>(
             rates: &mut [Rates<D>],
             terms: &Terms<D>,
             kernel: &Kernel<D>,
-            sides: &[Side<D>],
+            seen: (&[Side<D>], &[Slopes<D>]),
         ) {
-            forces(block, rates, terms, kernel, sides);
+            forces(block, rates, terms, kernel, seen);
         }
         if has_avx2() {
             // SAFETY: the processor has been asked for AVX2 in the line above.
-            return unsafe { wide(block, rates, terms, kernel, sides) };
+            return unsafe { wide(block, rates, terms, kernel, seen) };
         }
     }
-    forces(block, rates, terms, kernel, sides);
+    forces(block, rates, terms, kernel, seen);
 }
 
 /// The lists of a block, [`Block::fill`].
@@ -148,10 +148,10 @@ mod tests {
             let rows = block.near_solid.len();
             let (mut one, mut two) = (vec![Rates::default(); rows], vec![Rates::default(); rows]);
             let (mut block, mut other) = (block.clone(), block.clone());
-            densities(&mut block, &mut one, terms, kernel, shortest, positions, sides);
-            sweep_densities(&mut other, &mut two, terms, kernel, shortest, positions, sides);
-            forces(&block, &mut one, terms, kernel, sides);
-            sweep_forces(&other, &mut two, terms, kernel, sides);
+            densities(&mut block, &mut one, terms, kernel, shortest, positions, (sides, slopes));
+            sweep_densities(&mut other, &mut two, terms, kernel, shortest, positions, (sides, slopes));
+            forces(&block, &mut one, terms, kernel, (sides, slopes));
+            sweep_forces(&other, &mut two, terms, kernel, (sides, slopes));
             assert!(one.iter().any(|rates| rates.force.norm() > 0.0 && rates.density != 0.0));
             assert_eq!(one, two);
         }

@@ -37,7 +37,9 @@ impl Viscosity {
     }
 }
 
-/// (1 + θ)(v_i - v_j) - θ/2 (∇v_i + ∇v_j)·x with θ = 1/3, to take the place of v_i - v_j in the form of Morris, m/s.
+/// The velocities (1 + θ)(v_i - v_j), θ = 1/3, that take the place of v_i - v_j in the form of Morris together with the flux
+/// -θ eta ∇v of [`Slopes`](crate::fluid::particles::Slopes); the force of a pair is then
+/// -V_i V_j eta F [2 (1 + θ)(v_i - v_j) - θ (∇v_i + ∇v_j)·x].
 ///
 /// Σ 2 V_j F (v_i - v_j) is -∇²v - M/12 ∇⁴v, M the fourth moment of F along a line, 0.27 h² for Lucy's kernel in the plane: a
 /// vortex of 50 spacings decays 0.65 % too slowly. With r along x, what is added is θ (-r³ ∂³v/12 + r⁴ ∂⁴v/24), of which the
@@ -47,8 +49,8 @@ impl Viscosity {
 /// (1 + θ) σ - θ S² ≥ σ, and at most 4/3 σ.
 #[inline(always)]
 #[must_use]
-pub fn beyond_the_second_order<const D: usize>(x: &Vector<D>, i: &Side<D>, j: &Side<D>) -> Vector<D> {
-    (i.velocity - j.velocity) * (1.0 + THETA) - (i.shear + j.shear) * (x * (0.5 * THETA))
+pub fn beyond_the_second_order<const D: usize>(i: &Side<D>, j: &Side<D>) -> Vector<D> {
+    (i.velocity - j.velocity) * (1.0 + THETA)
 }
 
 /// θ of [`beyond_the_second_order`].
