@@ -143,7 +143,7 @@ mod tests {
         };
         let mut flow = Flow::new(setup).expect("a sound setup");
         flow.set_velocity(|x| x.map(|x| any(x.to_bits() as usize)));
-        let Flow { blocks, terms, kernel, shortest, positions, sides, .. } = &flow;
+        let Flow { blocks, terms, kernel, shortest, positions, sides, slopes, .. } = &flow;
         for block in blocks {
             let rows = block.near_solid.len();
             let (mut one, mut two) = (vec![Rates::default(); rows], vec![Rates::default(); rows]);

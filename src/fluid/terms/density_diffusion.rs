@@ -9,8 +9,8 @@ use crate::vector::Vector;
 /// Antuono et al. 2010 (their h is half of ours). kg/m³/s.
 ///
 /// The gradients are those of the step before ([`slope`]). They take out what is linear, so that a pressure gradient
-/// drives no mass: without them (Molteni & Colagrossi 2009) the cavity at Re = 100 errs by twice as much, as mass goes
-/// from the high pressure in one corner of the lid to the low one in the other.
+/// drives no mass: without them (Molteni & Colagrossi 2009) the cavity at Re = 100 errs by half as much again, as mass
+/// goes from the high pressure in one corner of the lid to the low one in the other.
 ///
 /// The speed c is c0, but at most 10 U. They differ where pressure, not speed, asked for a stiff fluid: slow viscous
 /// flows, in which friction damps sound anyway.
