@@ -288,7 +288,9 @@ impl<const D: usize> Flow<D> {
                     }
                     slopes.density = rates.slope;
                     slopes.free = rates.fraction == 0.0;
-                    slopes.flux = rates.spread * (-THETA * side.viscosity);
+                    // The size of the second moment, as in the factor of the friction itself.
+                    let size = rates.moment.trace() / D as f64;
+                    slopes.flux = rates.spread * (-THETA * side.viscosity / size.max(0.5));
                     if moved {
                         slopes.flux += side.velocity * side.drift.transpose() * side.density;
                     }

@@ -73,7 +73,7 @@ impl<const D: usize> Side<D> {
 pub struct Slopes<const D: usize> {
     /// ∇rho over the same fluid, kg/m⁴; zero without density diffusion.
     pub density: Vector<D>,
-    /// rho v⊗w - θ eta ∇v, N/m²: what momentum the drift w carries, and what makes friction one of the fourth order
+    /// rho v⊗w - θ eta ∇v/g with the size g of the second moment, N/m²: what momentum the drift w carries, and what makes friction one of the fourth order
     /// ([`beyond_the_second_order`](crate::fluid::terms::viscosity::beyond_the_second_order)).
     pub flux: SMatrix<f64, D, D>,
     /// Whether no solid is in reach.
