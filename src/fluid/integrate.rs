@@ -11,13 +11,12 @@ use crate::fluid::flow::Flow;
 use crate::fluid::mirror::{Continuation, Moving, mirror};
 use crate::fluid::motion::Motion;
 use crate::fluid::order::along_a_curve;
-use crate::fluid::particles::Side;
+use crate::fluid::particles::{Side, Slopes};
 use crate::fluid::pass::{Rates, sweep_reactions};
-use crate::fluid::setup::BodyKind;
+use crate::fluid::setup::{BodyKind, Slip};
 use crate::fluid::sponge::Relaxation;
-use crate::fluid::terms::Moment;
 use crate::fluid::terms::continuity::{contraction, gradient};
-use crate::fluid::terms::viscosity::THETA;
+use crate::fluid::terms::{Moment, TransportStress, viscosity};
 use crate::fluid::wall::{Obstacles, carry};
 use crate::fluid::wide::{sweep_densities, sweep_forces};
 use crate::vector::Vector;
@@ -194,7 +193,8 @@ impl<const D: usize> Flow<D> {
         if self.tally.rebuilds > 0 && self.solids.is_empty() {
             return;
         }
-        let (bodies, domain, time, rows) = (&self.bodies, &self.domain, self.time, &self.rows);
+        let (bodies, domain, rows) = (&self.bodies, &self.domain, &self.rows);
+        let (time, dt) = (self.time, self.step_length);
         let size = Block::<D>::SIZE;
         let furthest = self
             .positions
@@ -207,7 +207,7 @@ impl<const D: usize> Flow<D> {
                     if side.is_solid() {
                         let before = *position;
                         let row = rows[side.id as usize] as usize;
-                        carry(&bodies[side.body as usize], row, own, position, side, time);
+                        carry(&bodies[side.body as usize], row, own, position, side, (time, dt));
                         // Back into the box: the sweeps turn round a periodic axis once only.
                         *position = domain.wrap(position);
                         furthest = furthest.max(domain.separation(position, &before).norm_squared());
@@ -260,8 +260,8 @@ impl<const D: usize> Flow<D> {
         );
     }
 
-    /// What the sweep of densities leaves for that of forces besides densities: the second moments of the fluid and
-    /// the reach of solids.
+    /// What the sweep of densities leaves for that of forces besides densities: the second moments and slopes of the fluid
+    /// and the reach of solids.
     pub(super) fn moments(&mut self) {
         let (corrected, spread) = (self.terms.moment.is_some(), self.terms.makeup().spreads());
         for (side, rates) in self.sides.iter_mut().zip(&mut self.rates) {
@@ -275,7 +275,7 @@ impl<const D: usize> Flow<D> {
 
     /// What neighbours see besides [`Side`]s where there is no noise.
     fn show_slopes(&mut self) {
-        let moved = self.terms.shift.is_some();
+        let (fourth, moved) = (self.terms.fourth_order, self.terms.transport_stress.is_some());
         let size = Block::<D>::SIZE;
         self.slopes
             .par_chunks_mut(size)
@@ -283,16 +283,16 @@ impl<const D: usize> Flow<D> {
             .zip(self.rates.par_chunks(size))
             .for_each(|((slopes, sides), rates)| {
                 for ((slopes, side), rates) in slopes.iter_mut().zip(sides).zip(rates) {
+                    *slopes = Slopes::default();
                     if side.is_solid() {
                         continue;
                     }
-                    slopes.density = rates.slope;
-                    slopes.free = rates.fraction == 0.0;
-                    // The size of the second moment, as in the factor of the friction itself.
-                    let size = rates.moment.trace() / D as f64;
-                    slopes.flux = rates.spread * (-THETA * side.viscosity / size.max(0.5));
+                    (slopes.density, slopes.clear) = (rates.slope, rates.fraction == 0.0);
+                    if fourth {
+                        slopes.flux += viscosity::flux(side.viscosity, &rates.spread, &rates.moment);
+                    }
                     if moved {
-                        slopes.flux += side.velocity * side.drift.transpose() * side.density;
+                        slopes.flux += TransportStress.flux(side);
                     }
                 }
             });
@@ -305,6 +305,8 @@ impl<const D: usize> Flow<D> {
         let drift = self.density_drift();
         let corrected = self.terms.moment.is_some();
         let spread = self.terms.makeup().spreads();
+        let slips =
+            self.bodies.iter().any(|b| matches!(b.kind, BodyKind::Solid { slip: Slip::FreeSlip, .. }));
         let (domain, cutoff, closed) = (&self.domain, self.kernel.cutoff(), self.closed_axes());
         let size = Block::<D>::SIZE;
         let (worst, fault) = self
@@ -328,7 +330,9 @@ impl<const D: usize> Flow<D> {
                     let mut rate = rates.density;
                     if spread {
                         rates.spread = gradient(&rates.moment, &rates.spread);
-                        rate -= side.density * contraction(&rates.spread, dt);
+                        // What a frictionless wall shows as its velocity makes a shear that is none.
+                        let over = if slips && rates.fraction > 0.0 { 0.0 } else { dt };
+                        rate -= side.density * contraction(&rates.spread, over);
                     }
                     side.density += dt * rate - drift * own.rest_density;
                     side.pressure = state.pressure(side.density, own.rest_density, c);

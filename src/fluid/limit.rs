@@ -30,8 +30,8 @@ pub struct StepLimit {
 
 impl<const D: usize> Flow<D> {
     /// The longest stable step at the present state and what limits it:
-    /// sound dt = C h/(c0 + U); viscosity 0.6 · 2/λ, λ the largest eigenvalue of the viscous operator (4/3 of
-    /// that of the second order; kick-drift-kick is forward Euler for friction); body force dt = ¼ √(h/g); shift dt = 0.1 h/(A U).
+    /// sound dt = C h/(c0 + U); viscosity 0.6 · 2/λ, λ the largest eigenvalue of the viscous operator (where it is of the
+    /// fourth order 4/3 of that of the second; kick-drift-kick is forward Euler for friction); body force dt = ¼ √(h/g); shift dt = 0.1 h/(A U).
     #[must_use]
     pub fn step_limit(&self) -> StepLimit {
         let (h, s) = (self.kernel.cutoff(), &self.setup);
@@ -62,7 +62,7 @@ impl<const D: usize> Flow<D> {
         VISCOUS_SAFETY * 2.0 / (more * self.friction_rate() + self.friction_rate_of_bodies())
     }
 
-    /// The largest eigenvalue of the viscous operator u_i -> -(1/rho_i) Σ V_j (friction of i with j), 1/s, by power
+    /// The largest eigenvalue of the viscous operator of the second order, u_i -> -(1/rho_i) Σ V_j (friction of i with j), 1/s, by power
     /// iteration with solids at rest (mirrored velocities raise it by less than a per cent).
     ///
     /// Between 1.1 (h = 3 spacings) and 1.6 times (h = 2) the largest sum over j, where Gershgorin's bound is 2.

@@ -68,21 +68,24 @@ impl<const D: usize> Side<D> {
 }
 
 /// What a particle shows to its neighbours besides its [`Side`] where there is no noise. Apart from it, since with noise
-/// nobody looks at it.
+/// nobody looks at it. Of a solid nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slopes<const D: usize> {
-    /// ∇rho over the same fluid, kg/m⁴; zero without density diffusion.
+    /// ∇rho over the same fluid, kg/m⁴; zero without density diffusion. The next step asks for it.
     pub density: Vector<D>,
-    /// rho v⊗w - θ eta ∇v/g with the size g of the second moment, N/m²: what momentum the drift w carries, and what makes friction one of the fourth order
-    /// ([`beyond_the_second_order`](crate::fluid::terms::viscosity::beyond_the_second_order)).
+    /// rho v⊗w - θ eta ∇v/g, N/m²: what momentum the drift w carries
+    /// ([`TransportStress`](crate::fluid::terms::TransportStress)), and what makes friction one of the fourth order
+    /// ([`flux`](crate::fluid::terms::viscosity::flux)).
+    #[serde(skip, default = "SMatrix::zeros")]
     pub flux: SMatrix<f64, D, D>,
     /// Whether no solid is in reach.
-    pub free: bool,
+    #[serde(skip)]
+    pub clear: bool,
 }
 
 impl<const D: usize> Default for Slopes<D> {
     fn default() -> Slopes<D> {
-        Slopes { density: Vector::zeros(), flux: SMatrix::zeros(), free: false }
+        Slopes { density: Vector::zeros(), flux: SMatrix::zeros(), clear: false }
     }
 }
 

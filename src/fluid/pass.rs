@@ -113,7 +113,7 @@ pub struct Rates<const D: usize> {
     pub density: f64,
     /// Σ V_j F x⊗x.
     pub moment: Symmetric<D>,
-    /// Σ V_j F (v_i - v_j)⊗x, 1/s.
+    /// Σ V_j F (v_i - v_j)⊗x, then the gradient of the velocity; 1/s.
     pub spread: Spread<D>,
     /// Σ V_j F (rho_j - rho_i) x over the same fluid, then its gradient of density; kg/m⁴.
     pub slope: Vector<D>,
@@ -151,7 +151,7 @@ pub fn share<const D: usize>(kernel: &Kernel<D>, x: &Vector<D>, i: &Side<D>, j: 
     if j.reach > 0.0 { i.volume * kernel.value(x.norm()) / j.reach } else { 0.0 }
 }
 
-/// First sweep over a block: finds the contacts, sums density rates, second moments and volume fractions of solid.
+/// First sweep over a block: finds the contacts, sums density rates, second moments, slopes and volume fractions of solid.
 #[inline(always)]
 pub(super) fn densities<const D: usize>(
     block: &mut Block<D>,
@@ -202,7 +202,7 @@ fn sum_densities<const D: usize>(
         let mut sum = Gain::default();
         for c in block.inner.row(row) {
             let j = &sides[c.j as usize];
-            let approach = between(makeup, &c, (i, j), slopes, (first + row, c.j as usize));
+            let approach = approaching(makeup, &c, (i, j), slopes, (first + row, c.j as usize));
             let other = &mut rates[c.j as usize - first];
             sum.density += j.volume * terms.density(makeup, &approach, i, j);
             other.density += i.volume * terms.density(makeup, &approach.back(), j, i);
@@ -224,7 +224,7 @@ fn sum_densities<const D: usize>(
         }
         for c in block.outer.row(row) {
             let j = &sides[c.j as usize];
-            let approach = between(makeup, &c, (i, j), slopes, (first + row, c.j as usize));
+            let approach = approaching(makeup, &c, (i, j), slopes, (first + row, c.j as usize));
             sum.see(makeup, terms, &approach, i, j);
         }
         sum.give(&mut rates[row]);
@@ -233,7 +233,7 @@ fn sum_densities<const D: usize>(
 
 /// The approach of two fluid particles, whose numbers come last.
 #[inline(always)]
-fn between<const D: usize>(
+fn approaching<const D: usize>(
     makeup: Makeup,
     c: &Contact<D>,
     (i, j): (&Side<D>, &Side<D>),
@@ -371,8 +371,8 @@ fn sum_forces<const D: usize>(
         for c in block.inner.row(row) {
             let j = &sides[c.j as usize];
             let pair = Pair::new(&c);
-            let slopes = makeup.fourth_order.then(|| [&slopes[first + row], &slopes[c.j as usize]]);
-            let between = terms.force(makeup, &pair, i, j, slopes);
+            let theirs = makeup.fourth_order.then(|| [&slopes[first + row], &slopes[c.j as usize]]);
+            let between = terms.force(makeup, &pair, i, j, theirs);
             let other = &mut rates[c.j as usize - first];
             force += between * j.volume;
             other.force -= between * i.volume;
@@ -385,8 +385,8 @@ fn sum_forces<const D: usize>(
         for c in block.outer.row(row) {
             let j = &sides[c.j as usize];
             let pair = Pair::new(&c);
-            let slopes = makeup.fourth_order.then(|| [&slopes[first + row], &slopes[c.j as usize]]);
-            force += terms.force(makeup, &pair, i, j, slopes) * j.volume;
+            let theirs = makeup.fourth_order.then(|| [&slopes[first + row], &slopes[c.j as usize]]);
+            force += terms.force(makeup, &pair, i, j, theirs) * j.volume;
             if makeup.shift {
                 crowding += Shift::pair(&pair) * j.volume;
             }

@@ -166,8 +166,8 @@ impl<const D: usize> Terms<D> {
         let rub = self.rub::<false>(makeup, p, i, j);
         let friction = Viscosity { form: makeup.form };
         if let Some([a, b]) = slopes
-            && a.free
-            && b.free
+            && a.clear
+            && b.clear
         {
             friction.pair(rub, &p.x, &viscosity::beyond_the_second_order(i, j), &mut out);
             out -= (a.flux + b.flux) * (p.x * p.f);

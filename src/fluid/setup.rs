@@ -208,8 +208,8 @@ pub struct Options {
     /// Steps between Shepard filters of the density, if any.
     pub shepard: Option<u64>,
     /// Whether friction is multiplied by what restores the second moment of the neighbours
-    /// ([`crate::fluid::terms::Moment`]) and the divergence is that of
-    /// [`Corrected`](crate::fluid::terms::Continuity::Corrected).
+    /// ([`crate::fluid::terms::Moment`]) and is of the fourth order, the divergence is that of
+    /// [`Corrected`](crate::fluid::terms::Continuity::Corrected), and the density diffusion knows slopes.
     pub corrected: bool,
     /// The density rate as printed; it drifts where particles crowd. For comparison.
     pub printed_density_rate: bool,

@@ -220,14 +220,15 @@ impl<const D: usize> Near<'_, D> {
     }
 }
 
-/// Takes a solid particle, `row` of its body, to its place of time `t` and gives it its own velocity.
+/// Takes a solid particle, `row` of its body, to its place of time `t` and gives it its own velocity, that of the middle of
+/// a step of `dt` (s) as the fluid's: in a rigid rotation the divergence of fluid and wall is then none.
 pub fn carry<const D: usize>(
     body: &Body<D>,
     row: usize,
     own: &Own<D>,
     position: &mut Vector<D>,
     side: &mut Side<D>,
-    t: f64,
+    (t, dt): (f64, f64),
 ) {
     if let BodyKind::Solid { motion, .. } = &body.kind {
         if let Motion::Elastic(coupled) = motion {
@@ -237,10 +238,13 @@ pub fn carry<const D: usize>(
             side.invert();
             return;
         }
+        let middle = t - 0.5 * dt;
         if motion.moves() {
+            side.velocity = motion.velocity(&motion.position(&own.start, middle), middle);
             *position = motion.position(&own.start, t);
+        } else {
+            side.velocity = motion.velocity(position, middle);
         }
-        side.velocity = motion.velocity(position, t);
     }
 }
 

@@ -165,7 +165,7 @@ fn options(node: &Node, faults: &mut Faults) -> Option<Options> {
         &mut fields,
         "delta",
         MOST_DELTA,
-        "0.1 to 0.2 is usual, and chosen without this option; 0 turns the density diffusion off",
+        "0.1 is usual, and chosen without this option; 0 turns the density diffusion off",
     );
     let shift = number(
         &mut fields,

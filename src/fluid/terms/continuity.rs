@@ -9,7 +9,7 @@ use nalgebra::SMatrix;
 /// material only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Continuity {
-    /// -rho_i tr(M_i G_i⁻¹) with the sum M_i = Σ V_j F (v_i - v_j)⊗x and the second moment G_i = Σ V_j F x⊗x
+    /// -rho_i times the [`contraction`] of M_i G_i⁻¹ with the sum M_i = Σ V_j F (v_i - v_j)⊗x and the second moment G_i = Σ V_j F x⊗x
     /// ([`Spread`]), and the advection by w as in `Advected`. Exact for every linear velocity however the
     /// particles lie (the renormalised divergence of Randles & Libersky 1996). Without it disorder makes pressure,
     /// and pressure noise: a Poiseuille flow's particles stray 40 times as fast, a Taylor-Green vortex that leaves
@@ -64,7 +64,7 @@ pub fn gradient<const D: usize>(moment: &Symmetric<D>, spread: &Spread<D>) -> SM
 /// The rate at which a volume has grown over a step of `dt` (s) that ended where the gradient g of its velocity is seen,
 /// [1 - det(1 - dt g)]/dt to second order: tr g - dt/2 [(tr g)² - tr g²], 1/s.
 ///
-/// Velocities are those of the middle of the step, places those of its end, x = (1 - dt g)⁻¹ times those of its beginning.
+/// Velocities are those of the middle of the step (of solids too), places those of its end, x = (1 - dt g)⁻¹ times those of its beginning.
 /// The trace alone is off by dt/2 tr g², which in a vortex never vanishes: that of Taylor and Green gains 1.4 % of its
 /// energy by it at a Courant number of 0.2.
 #[inline]

@@ -38,8 +38,9 @@ impl DensityDiffusion {
 /// Least determinant of a second moment that is inverted, relative to that of an even one of the same trace.
 const LEAST_EVENNESS: f64 = 0.1;
 
-/// ∇rho = -G⁻¹ Σ V_j F (rho_j - rho_i) x from that sum and the second moment G over the same neighbours: exact for
-/// every linear density however they lie (Randles & Libersky 1996). Zero where they are too few or in a line. kg/m⁴.
+/// ∇rho = -G⁻¹ Σ V_j F (rho_j - rho_i) x from that sum over the same fluid and the second moment G of all fluid: exact for
+/// every linear density however neighbours lie (Randles & Libersky 1996), too small before another fluid, where some of
+/// the leak stays. Zero where they are too few or in a line. kg/m⁴.
 #[inline]
 #[must_use]
 pub fn slope<const D: usize>(moment: &Symmetric<D>, sum: &Vector<D>) -> Vector<D> {

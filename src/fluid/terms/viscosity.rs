@@ -2,7 +2,10 @@
 
 use crate::fluid::particles::{Material, Side};
 use crate::fluid::setup::Friction;
+use crate::fluid::symmetric::Symmetric;
+use crate::fluid::terms::Moment;
 use crate::vector::Vector;
+use nalgebra::SMatrix;
 
 /// Force on i: -Σ V_i V_j eta_ij F [a v_ij + b (v_ij·e) e], eta_ij the harmonic mean, e = x/|x|.
 ///
@@ -37,24 +40,34 @@ impl Viscosity {
     }
 }
 
-/// The velocities (1 + θ)(v_i - v_j), θ = 1/3, that take the place of v_i - v_j in the form of Morris together with the flux
-/// -θ eta ∇v of [`Slopes`](crate::fluid::particles::Slopes); the force of a pair is then
-/// -V_i V_j eta F [2 (1 + θ)(v_i - v_j) - θ (∇v_i + ∇v_j)·x].
+/// θ of [`beyond_the_second_order`].
+pub const THETA: f64 = 1.0 / 3.0;
+
+/// (1 + θ)(v_i - v_j), θ = 1/3, which takes the place of v_i - v_j in the form of Morris together with the [`flux`]; with the
+/// factor c_ij of [`Moment`] the force of a pair is then -V_i V_j eta F [2 c_ij (1 + θ)(v_i - v_j) - θ (∇v_i/g_i + ∇v_j/g_j)·x].
 ///
 /// Σ 2 V_j F (v_i - v_j) is -∇²v - M/12 ∇⁴v, M the fourth moment of F along a line, 0.27 h² for Lucy's kernel in the plane: a
 /// vortex of 50 spacings decays 0.65 % too slowly. With r along x, what is added is θ (-r³ ∂³v/12 + r⁴ ∂⁴v/24), of which the
-/// sum is -θ M/12 ∇⁴v; gradients summed with the same F are too large by M/6 ∇²∇v, which adds twice as much again:
-/// together 3 θ M/12 ∇⁴v, so θ = 1/3 takes the error out. The pair's forces stay opposite. And it dissipates at every
-/// wavelength: with σ = Σ 4 V F sin²(k·x/2) and S² = |Σ V F x sin(k·x)|² ≤ Σ V F sin²(k·x) ≤ σ the rate is
-/// (1 + θ) σ - θ S² ≥ σ, and at most 4/3 σ.
+/// sum is θ M/12 ∇⁴v; gradients summed with the same F are too large by M/6 ∇²∇v, which adds twice as much again:
+/// together 3 θ M/12 ∇⁴v, so θ = 1/3 takes the error out. The pair's forces stay opposite. And it dissipates however
+/// particles lie: Σ_i V_i tr(∇v_i G_i ∇v_iᵀ) is at most Σ V_i V_j F |v_i - v_j|² over pairs both ways, so the rate is at least
+/// that without θ, and at most 1 + θ times that.
 #[inline(always)]
 #[must_use]
 pub fn beyond_the_second_order<const D: usize>(i: &Side<D>, j: &Side<D>) -> Vector<D> {
     (i.velocity - j.velocity) * (1.0 + THETA)
 }
 
-/// θ of [`beyond_the_second_order`].
-pub const THETA: f64 = 1.0 / 3.0;
+/// The flux -θ eta ∇v/g, N/m², g the size of the second moment G as in the factor of friction.
+#[inline(always)]
+#[must_use]
+pub fn flux<const D: usize>(
+    eta: f64,
+    gradient: &SMatrix<f64, D, D>,
+    moment: &Symmetric<D>,
+) -> SMatrix<f64, D, D> {
+    gradient * (-THETA * eta * Moment::factor(moment))
+}
 
 /// The viscosity that acts between fluid i and j, Pa s.
 #[inline(always)]
