@@ -73,7 +73,7 @@ impl<const D: usize> Side<D> {
 pub struct Slopes<const D: usize> {
     /// ∇rho over the same fluid, kg/m⁴; zero without density diffusion. The next step asks for it.
     pub density: Vector<D>,
-    /// rho v⊗w - θ eta ∇v/g, N/m²: what momentum the drift w carries
+    /// rho v⊗w - θ eta ∇v G⁻¹, N/m²: what momentum the drift w carries
     /// ([`TransportStress`](crate::fluid::terms::TransportStress)), and what makes friction one of the fourth order
     /// ([`flux`](crate::fluid::terms::viscosity::flux)).
     #[serde(skip, default = "SMatrix::zeros")]

@@ -51,7 +51,7 @@ pub type Spread<const D: usize> = SMatrix<f64, D, D>;
 
 /// Least determinant of the second moment that is inverted; an even neighbourhood has one, half of one
 /// 2^-D.
-const LEAST_DETERMINANT: f64 = 0.1;
+pub const LEAST_DETERMINANT: f64 = 0.1;
 
 /// The gradient of the velocity ∂v_a/∂x_b = (M_i G_i⁻¹)_ab, 1/s: exact for every linear velocity however the particles
 /// lie. Its trace is the divergence of [`Continuity::Corrected`].

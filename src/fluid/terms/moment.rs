@@ -18,13 +18,6 @@ impl Moment {
     /// Limits of c_i(e).
     const LIMITS: (f64, f64) = (0.5, 2.0);
 
-    /// 1/g_i, the factor of all directions together, within the limits.
-    #[inline(always)]
-    #[must_use]
-    pub fn factor<const D: usize>(g: &Symmetric<D>) -> f64 {
-        (D as f64 / g.trace()).max(Self::LIMITS.0).min(Self::LIMITS.1)
-    }
-
     /// The matrix M with c_i(e) = e·M·e of a particle whose second moment is `g`, and whether that can be beyond the
     /// limits for any e.
     #[must_use]
