@@ -179,7 +179,7 @@ fn options(node: &Node, faults: &mut Faults) -> Option<Options> {
             faults.at(
                 &n.place,
                 format!("a Courant number of {value}"),
-                "no step above 1 is stable; 0.1 is usual, and chosen without this option",
+                "no step above 1 is stable; 0.1 to 0.2 is usual, and chosen without this option",
             );
             return None;
         }
