@@ -96,6 +96,18 @@ impl<const D: usize> Symmetric<D> {
         }
     }
 
+    /// A⁻¹; `None` where the determinant is below `least`.
+    #[inline]
+    #[must_use]
+    pub fn inverse(&self, least: f64) -> Option<Symmetric<D>> {
+        let (determinant, minors, crossed) = self.adjugate();
+        // Written so that "not a number" is refused too.
+        (determinant > least).then(|| Symmetric {
+            diagonal: Vector::from_fn(|k, _| minors[k] / determinant),
+            mixed: Vector::from_fn(|k, _| crossed[k] / determinant),
+        })
+    }
+
     /// M A⁻¹ with any matrix M of D columns; `None` where the determinant is below `least` (too few neighbours, or all in a line).
     #[inline]
     #[must_use]
@@ -146,6 +158,9 @@ mod tests {
             let back = sum.divide(&(any * whole), 1e-3).expect("positive");
             // Rounding, times the condition of A.
             assert!((back - any).norm() < 1e-13, "{back} {any}");
+            let inverse = sum.inverse(1e-3).expect("positive");
+            let x: Vector<D> = Vector::from_fn(|k, _| 1.0 - 0.7 * k as f64);
+            assert!((inverse.along(&x) - x.dot(&(whole.try_inverse().expect("positive") * x))).abs() < 1e-12);
         }
         assert_eq!(Symmetric::<D>::identity(0.0).divide(&SMatrix::<f64, D, D>::identity(), 1e-3), None);
     }
