@@ -12,8 +12,8 @@ use crate::fluid::symmetric::Symmetric;
 ///
 /// limited to ½ … 2. The first factor takes the anisotropy out of the moment (for an isotropic weight the mean of
 /// e⊗e⊗e⊗e gives κ), the second its size. To first order in the anisotropy 1 - κ e·(G_i/g_i - 1)·e would do; the inverse
-/// gives back what the square of the first order takes, so that the size of the moment is right to second order: rows of a
-/// channel flow slide, and it is 1e-4 too fast without. A solid particle takes the factor of the fluid.
+/// gives back what the square of the first order takes, so that the size of the moment is right to second order: a channel
+/// flow of 80 spacings, whose rows slide, errs by 1.1e-4 without and 0.8e-4 with it. A solid particle takes the factor of the fluid.
 pub struct Moment;
 
 impl Moment {
