@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// What a state file begins with, and the version of what follows: raised when states of an earlier program cannot
 /// be read any more.
 const MAGIC: &[u8; 12] = b"gillesph st\n";
-pub const FORMAT: u32 = 4;
+pub const FORMAT: u32 = 5;
 /// Bytes of a checksum.
 const SUM: usize = 32;
 

@@ -2,6 +2,7 @@
 
 use crate::error::RunError;
 use crate::fluid::blocks::Block;
+use crate::fluid::depth::covers;
 use crate::fluid::mirror::Mirror;
 use crate::fluid::noise::ThermalNoise;
 use crate::fluid::open::{Open, Openings};
@@ -117,7 +118,7 @@ impl<const D: usize> Flow<D> {
         let (lightest, stickiest) = setup.lightest_and_stickiest();
         let terms = terms(&setup);
         let (mut positions, mut sides, mut own) = (Vec::new(), Vec::new(), Vec::new());
-        for (id, placed) in setup.particles.iter().enumerate() {
+        for (id, (placed, cover)) in setup.particles.iter().zip(covers(&setup)).enumerate() {
             let (material, density, viscosity) = match &setup.bodies[placed.body as usize].kind {
                 BodyKind::Fluid { density, viscosity } => (Material::Fluid, *density, *viscosity),
                 BodyKind::Solid { slip: Slip::NoSlip, .. } => (Material::NoSlip, lightest, 0.0),
@@ -139,6 +140,7 @@ impl<const D: usize> Flow<D> {
                 viscosity,
                 moment: Symmetric::identity(1.0),
                 uneven: false,
+                held: false,
                 reach: 0.0,
             });
             own.push(Own {
@@ -148,10 +150,8 @@ impl<const D: usize> Flow<D> {
                 acceleration: Vector::zeros(),
                 lift: Vector::zeros(),
                 bend: Vector::zeros(),
-                depth: match &setup.bodies[placed.body as usize].kind {
-                    BodyKind::Solid { surface: Some(surface), .. } => -surface(&placed.position),
-                    _ => 0.0,
-                },
+                depth: cover.depth,
+                curvature: cover.curvature,
                 fraction: if fluid { 0.0 } else { 1.0 },
             });
         }
@@ -191,7 +191,7 @@ impl<const D: usize> Flow<D> {
             positions,
             sides,
             own,
-            slopes: vec![Slopes::default(); if delta > 0.0 || terms.fourth_order { n } else { 0 }],
+            slopes: vec![Slopes::default(); if delta > 0.0 || terms.makeup().spreads() { n } else { 0 }],
             sound_speed,
             tally: Tally::default(),
             terms,
@@ -298,15 +298,12 @@ fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
     let (shift, options) = (setup.shift(), &setup.options);
     let moved = shift > 0.0;
     let form = if setup.method == Method::Sph { Friction::Morris } else { setup.friction };
-    // With noise the plain sums, whose adjoint is the pressure force and whose noise is known: what is not adjoint heats
-    // the bath.
-    let corrected = setup.method == Method::SphBvf && options.corrected && setup.noise.is_none();
     // At the interface of two the velocity has a kink.
     let fluids = setup.bodies.iter().filter(|body| matches!(body.kind, BodyKind::Fluid { .. }));
     let one_fluid = fluids.count() == 1;
     let continuity = match setup.method {
         _ if options.printed_density_rate => Continuity::Printed,
-        _ if corrected => Continuity::Corrected,
+        _ if setup.knows_gradients() => Continuity::Corrected,
         Method::SphBvf => Continuity::Advected,
         Method::Sdpd | Method::Sph => Continuity::Summed,
     };
@@ -322,6 +319,7 @@ fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
         viscosity: Viscosity { form },
         fourth_order: continuity == Continuity::Corrected && form == Friction::Morris && one_fluid,
         transport_stress: moved.then_some(TransportStress),
+        advects_at_walls: setup.advects_at_walls(),
         shift: moved.then_some(Shift::new(shift, setup.cutoff, setup.reference_speed)),
         noise: setup.noise.as_ref().map(ThermalNoise::new),
     }

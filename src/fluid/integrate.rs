@@ -409,9 +409,9 @@ impl<const D: usize> Flow<D> {
                 for (row, out) in mirrors.iter_mut().enumerate() {
                     let i = block.first + row;
                     if let BodyKind::Solid { motion, .. } = &bodies[sides[i].body as usize].kind {
-                        let depth = own[i].depth;
+                        let (depth, curvature) = (own[i].depth, own[i].curvature);
                         let continuation = match parabola && depth > 0.0 {
-                            true => Continuation::Parabola { depth },
+                            true => Continuation::Parabola { depth, curvature },
                             false => Continuation::Mean,
                         };
                         *out = match motion {
@@ -419,6 +419,7 @@ impl<const D: usize> Flow<D> {
                                 let number = numbers[sides[i].id as usize] as usize;
                                 let wall = Moving {
                                     velocity: |_: &Vector<D>| coupled.velocity(number),
+                                    turns: false,
                                     acceleration: coupled.acceleration(number),
                                     gravity,
                                     continuation,
@@ -428,6 +429,7 @@ impl<const D: usize> Flow<D> {
                             _ => {
                                 let wall = Moving {
                                     velocity: |x: &Vector<D>| motion.velocity(&(positions[i] + x), time),
+                                    turns: matches!(motion, Motion::Rotating { .. } | Motion::Free(_)),
                                     acceleration: motion.acceleration(&positions[i], time),
                                     gravity,
                                     continuation,
@@ -499,6 +501,7 @@ impl<const D: usize> Flow<D> {
         let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
         let shift = self.terms.shift.as_ref();
         let gravity = self.setup.gravity;
+        let advects = self.terms.advects_at_walls && self.terms.transport_stress.is_some();
         self.positions
             .par_chunks_mut(Block::<D>::SIZE)
             .zip(self.sides.par_chunks_mut(Block::<D>::SIZE))
@@ -511,11 +514,15 @@ impl<const D: usize> Flow<D> {
                     }
                     *position += rates.correction;
                     own.acceleration = rates.force * side.inverse_density + gravity + own.lift;
+                    if advects && rates.fraction > 0.0 {
+                        // w·∇v, in the place of the divergence of v⊗w.
+                        own.acceleration += rates.spread * side.drift;
+                    }
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
                     if let Some(shift) = shift {
                         side.drift = shift.velocity(&rates.crowding, side.density / own.rest_density);
-                        sponges.damp(position, &mut side.drift);
+                        side.held = sponges.damp(position, &mut side.drift);
                     }
                 }
             });

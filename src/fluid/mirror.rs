@@ -3,11 +3,13 @@
 //! Adami, Hu & Adams (2012) show 2 v_w less the mean velocity of the fluid in reach. That mean belongs to a place
 //! nearer to the surface than the mirror image of a deep wall particle, and it knows no curvature: plane Poiseuille
 //! flow is then too fast by ½ u'' Δ²/2, 5e-3 of its largest velocity at 20 particles across and 1.6 % in a square duct.
-//! Here the velocity is continued into the wall as v_w - g d + ½ k d², d the depth behind the surface:
+//! Here the velocity at a height s over the surface (negative behind it) is continued as v_w + g (s - ½ κ s²) + ½ k s²:
 //!
-//! - k, the curvature, is what the friction of the fluid near the wall says of ∇²v: at a wall the derivatives along it
-//!   vanish, and in a steady flow friction is right even where its sum is not, for it balances the other forces;
-//! - g, the slope, fits v_f - v_w - ½ k d_f² of the fluid in reach by a straight line through the surface.
+//! - k is what the friction of the fluid near the wall says of ∇²v: in a steady flow friction is right even where its sum
+//!   is not, for it balances the other forces. At a wall the derivatives along it vanish, less those of the wall's own
+//!   velocity v_w, so ∇²v is ∂²v/∂s² + κ ∂v/∂s, κ the divergence of the normal (1/R of a cylinder in the fluid);
+//! - g, the slope, fits v_f - v_w - ½ k s_f² of the fluid in reach. Over a bent surface what lies beside is higher,
+//!   by ½ κ/(D - 1) times the square of how far beside.
 //!
 //! The error at 20 across falls to 2e-4.
 
@@ -31,6 +33,8 @@ pub struct Mirror<const D: usize> {
 pub struct Moving<const D: usize, F: Fn(&Vector<D>) -> Vector<D>> {
     /// Velocity of the wall at a distance (m) from the particle, m/s.
     pub velocity: F,
+    /// Whether that grows along it as that of a rigid body which turns.
+    pub turns: bool,
     /// Acceleration of the particle, m/s².
     pub acceleration: Vector<D>,
     /// Acceleration of all fluid, to which each fluid particle adds its own, m/s².
@@ -45,10 +49,11 @@ pub enum Continuation {
     /// By the mean of what is in reach: Adami, Hu & Adams 2012. The noise of a fluctuating fluid is made for it.
     Mean,
     /// By a parabola, from a particle at this depth (m) behind the surface.
-    Parabola { depth: f64 },
+    /// Behind a surface whose normal has the divergence `curvature`, 1/m.
+    Parabola { depth: f64, curvature: f64 },
 }
 
-/// The velocity v_w - g d + ½ k d² (or 2 v_w less the mean of the fluid's) and the pressure
+/// The velocity v_w - g (d + ½ κ d²) + ½ k d² (or 2 v_w less the mean of the fluid's) and the pressure
 /// Σ_f [p_f + rho_f (g - a_w)·x_wf] V_f W/Σ_f V_f W of solid particle `row` of a block, the sums over its fluid
 /// contacts. Without fluid in reach: the wall's own velocity and no pressure.
 ///
@@ -77,7 +82,7 @@ pub fn mirror<const D: usize, F: Fn(&Vector<D>) -> Vector<D>>(
         return Mirror { velocity: (wall.velocity)(&Vector::zeros()), pressure: 0.0 };
     }
     let (pressure, bend, reach) = (pressure / all, bend / all, towards.norm() / all);
-    let Continuation::Parabola { depth } = wall.continuation else {
+    let Continuation::Parabola { depth, curvature } = wall.continuation else {
         // Half way to the fluid is about the surface.
         let surface = (wall.velocity)(&(towards * (0.5 / all)));
         return Mirror { velocity: surface * 2.0 - velocity / all, pressure };
@@ -89,16 +94,22 @@ pub fn mirror<const D: usize, F: Fn(&Vector<D>) -> Vector<D>>(
     }
     let out = towards / (reach * all);
     let surface = (wall.velocity)(&(out * depth));
+    let carried = |x: &Vector<D>| if wall.turns { (wall.velocity)(x) } else { surface };
+    let beside = 0.5 * curvature / (D as f64 - 1.0).max(1.0);
+    let rise = |s: f64| s - 0.5 * curvature * s * s;
     let (mut squares, mut slope) = (0.0, Vector::zeros());
     for c in block.row(row) {
         let f = &sides[c.j as usize];
-        let height = (-out.dot(&c.x) - depth).max(0.0);
-        let share = f.volume * c.weight * height;
-        squares += share * height;
-        slope += (f.velocity - surface - bend * (0.5 * height * height)) * share;
+        let along = -out.dot(&c.x);
+        let height = (along - depth + beside * (c.x.norm_squared() - along * along)).max(0.0);
+        let rise = rise(height);
+        let share = f.volume * c.weight * rise;
+        squares += share * rise;
+        slope += (f.velocity - carried(&-c.x) - bend * (0.5 * height * height)) * share;
     }
     let slope = if squares > 0.0 { slope / squares } else { Vector::zeros() };
-    Mirror { velocity: surface - slope * depth + bend * (0.5 * depth * depth), pressure }
+    let velocity = carried(&Vector::zeros()) + slope * rise(-depth) + bend * (0.5 * depth * depth);
+    Mirror { velocity, pressure }
 }
 
 impl<const D: usize> Flow<D> {

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`order`], [`candidates`], [`blocks`] | particles in the order of a space-filling curve; who may come near whom; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
+//! | [`depth`] | how deep particles of solids lie behind the surface |
 //! | [`particles`], [`pass`], [`physics`], [`terms`] | state; the sweeps over pairs; what they add up; one equation each |
 //! | [`wide`] | the sweeps and the lists once more for processors with AVX2 |
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
@@ -24,6 +25,7 @@ pub mod bodies;
 mod buffers;
 pub mod candidates;
 pub mod deform;
+pub mod depth;
 mod edges;
 pub mod elastic;
 pub mod exchange;

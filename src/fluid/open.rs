@@ -228,6 +228,7 @@ impl<const D: usize> Flow<D> {
             (side.viscosity, own.mass, own.rest_density) = (viscosity, mass, density);
             (own.start, own.acceleration, own.lift) = (place, Vector::zeros(), Vector::zeros());
             (own.bend, own.fraction, side.uneven) = (Vector::zeros(), 0.0, false);
+            side.held = false;
             self.positions[i] = place;
             openings.zones[side.id as usize] = Zone::Buffer(end);
         }

@@ -41,6 +41,8 @@ pub struct Side<const D: usize> {
     pub body: u8,
     /// Whether the factor of friction may need its limits, [`crate::fluid::terms::Moment`].
     pub uneven: bool,
+    /// Whether a sponge sets its velocity faster than it passes: its mass goes where that leads, and does not diffuse.
+    pub held: bool,
     /// Pa.
     pub pressure: f64,
     /// Dynamic viscosity, Pa s; of a solid without meaning.
@@ -104,8 +106,10 @@ pub struct Own<const D: usize> {
     pub lift: Vector<D>,
     /// ∇²v of a fluid particle near a solid, as its friction sums it, 1/(m s).
     pub bend: Vector<D>,
-    /// Of a solid particle how deep it lies behind the surface, m; zero where that is not known.
+    /// Of a solid particle how deep it lies behind the surface, m, zero where that is not known, and how the surface is
+    /// bent there, 1/m; [`crate::fluid::depth::Cover`].
     pub depth: f64,
+    pub curvature: f64,
     /// Volume fraction of solid around the particle.
     pub fraction: f64,
 }

@@ -20,6 +20,8 @@ pub struct Terms<const D: usize> {
     /// Whether friction between particles far from solids is of the fourth order, [`viscosity::beyond_the_second_order`].
     pub fourth_order: bool,
     pub transport_stress: Option<TransportStress>,
+    /// Whether next to solids the drift carries velocity, not momentum, [`Setup::advects_at_walls`](crate::fluid::Setup).
+    pub advects_at_walls: bool,
     pub shift: Option<Shift<D>>,
     pub noise: Option<ThermalNoise<D>>,
 }
@@ -151,7 +153,7 @@ impl<const D: usize> Terms<D> {
     }
 
     /// The force between fluid i and j, N/m³ times m^-D: V_j of it is the force per volume of i. `slopes` are theirs where
-    /// friction is of the fourth order.
+    /// gradients are known.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -165,7 +167,8 @@ impl<const D: usize> Terms<D> {
         makeup.pressure.pair(p, i, j, &mut out);
         let rub = self.rub::<false>(makeup, p, i, j);
         let friction = Viscosity { form: makeup.form };
-        if let Some([a, b]) = slopes
+        if makeup.fourth_order
+            && let Some([a, b]) = slopes
             && a.clear
             && b.clear
         {
@@ -173,7 +176,8 @@ impl<const D: usize> Terms<D> {
             out -= (a.flux + b.flux) * (p.x * p.f);
         } else {
             friction.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
-            if makeup.transport_stress {
+            let advected = self.advects_at_walls && slopes.is_some_and(|[i, _]| !i.clear);
+            if makeup.transport_stress && !advected {
                 TransportStress.pair(p, i, j, &mut out);
             }
         }

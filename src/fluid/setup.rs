@@ -181,10 +181,10 @@ pub struct Sponge<const D: usize> {
 /// 50² particles leaves its lattice with an error of 5 %, with 2 of 0.6 %; with 0.5 they clump, and it loses 4 % of its energy.
 const USUAL_SHIFT: f64 = 2.0;
 
-/// Largest A h U/ν. The momentum that the shift carries is the divergence of ρ v⊗w: besides w·∇v it holds v ∇·w, by which
-/// velocities grow where particles draw apart, and only friction holds that. A cavity of 100² at Re = 10 000 (h U/ν = 300)
-/// blows up with A = 2 at 1.4 L/U, with 0.5 comes to 4.8 times the speed of its lid within 8 L/U, with 0.3 to 1.5 times,
-/// while the flow starts; at Re = 1000 (30) A = 2 is steady.
+/// Largest A h U/ν where next to solids the shift carries momentum ([`Setup::advects_at_walls`]). That is the divergence of
+/// ρ v⊗w: besides w·∇v it holds v ∇·w, by which velocities grow where particles draw apart, and only friction holds that. A
+/// cavity of 100² at Re = 10 000 (h U/ν = 300) then blows up with A = 2 at 1.4 L/U, with 0.5 comes to 4.8 times the speed of
+/// its lid within 8 L/U, with 0.3 to 1.5 times, while the flow starts; at Re = 1000 (30) A = 2 is steady.
 const HELD_BY_FRICTION: f64 = 90.0;
 
 /// Numerical choices; the defaults are meant to be kept.
@@ -240,7 +240,27 @@ impl<const D: usize> Setup<D> {
         self.bodies.iter().any(|body| matches!(body.kind, BodyKind::Solid { .. }))
     }
 
-    /// Strength A of the shift: 2, but at most 90 ν/(h U); none where particles move with their momentum.
+    /// Whether gradients of the velocity are known. With noise there are the plain sums, whose adjoint is the pressure force and
+    /// whose noise is known: what is not adjoint heats the bath.
+    #[must_use]
+    pub fn knows_gradients(&self) -> bool {
+        let options = &self.options;
+        self.method == Method::SphBvf
+            && options.corrected
+            && !options.printed_density_rate
+            && self.noise.is_none()
+    }
+
+    /// Whether next to solids the drift w carries velocity, w·∇v, and not momentum, ∇·(v⊗w): where gradients are known and all
+    /// solids move as told, so that nobody asks for the momentum they take. Far from solids, and where a solid is moved by the
+    /// fluid, momentum is conserved to rounding.
+    #[must_use]
+    pub fn advects_at_walls(&self) -> bool {
+        self.knows_gradients() && !self.bodies.iter().any(|body| body.is_free() || body.is_elastic())
+    }
+
+    /// Strength A of the shift: 2, but at most 90 ν/(h U) where it carries momentum next to solids; none where particles move
+    /// with their momentum.
     #[must_use]
     pub fn shift(&self) -> f64 {
         if self.method != Method::SphBvf {
@@ -251,7 +271,8 @@ impl<const D: usize> Setup<D> {
             BodyKind::Solid { .. } => least,
         });
         let held = HELD_BY_FRICTION * nu / (self.cutoff * self.reference_speed);
-        self.options.shift.unwrap_or(USUAL_SHIFT.min(held))
+        let usual = if self.advects_at_walls() { USUAL_SHIFT } else { USUAL_SHIFT.min(held) };
+        self.options.shift.unwrap_or(usual)
     }
 
     /// The lightest rest density and the largest viscosity among the fluids.

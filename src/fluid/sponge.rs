@@ -30,15 +30,18 @@ impl<'a, const D: usize> Relaxation<'a, D> {
         }
     }
 
-    /// Takes the shift out where a sponge sets the velocity. Particles are to pass with the target velocity; with
+    /// Takes the shift out where a sponge sets the velocity, and whether it does. Particles are to pass with the target velocity; with
     /// the pressure rising across a plug the shift would drive them back. A share 1/(1 + rate · passage) stays, so
     /// that a weak sponge does not let particles clump; it does not depend on the step.
     #[inline]
-    pub fn damp(&self, position: &Vector<D>, drift: &mut Vector<D>) {
+    pub fn damp(&self, position: &Vector<D>, drift: &mut Vector<D>) -> bool {
+        let mut held = false;
         for (sponge, _, share) in &self.sponges {
             if (sponge.region)(&self.domain.wrap(position)) {
                 *drift *= *share;
+                held |= *share < 0.5;
             }
         }
+        held
     }
 }

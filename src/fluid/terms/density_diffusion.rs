@@ -12,6 +12,8 @@ use crate::vector::Vector;
 /// drives no mass: without them (Molteni & Colagrossi 2009) the cavity at Re = 100 errs by half as much again, as mass
 /// goes from the high pressure in one corner of the lid to the low one in the other.
 ///
+/// None where a sponge sets the velocity: through a plug, narrower than the slopes can tell, 0.4 % of a stream leaked back.
+///
 /// The speed c is c0, but at most 10 U. They differ where pressure, not speed, asked for a stiff fluid: slow viscous
 /// flows, in which friction damps sound anyway.
 pub struct DensityDiffusion {
@@ -29,7 +31,7 @@ impl DensityDiffusion {
     /// What the density of i gains from j, per volume of j; kg/m³/s times m^-D. Antisymmetric.
     #[inline(always)]
     pub fn pair<const D: usize>(&self, a: &Approach<D>, i: &Side<D>, j: &Side<D>, out: &mut f64) {
-        if i.body == j.body {
+        if i.body == j.body && !(i.held || j.held) {
             *out += self.strength * a.f * (a.denser - a.sloping);
         }
     }
