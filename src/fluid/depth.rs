@@ -107,8 +107,7 @@ impl<'a, const D: usize> Solid<'a, D> {
         const REACH: usize = 4;
         let side = 2 * REACH + 1;
         for index in 0..side.pow(D as u32) {
-            let cell =
-                Vector::<D>::from_fn(|k, _| (index / side.pow(k as u32) % side) as f64 - REACH as f64);
+            let cell = Vector::<D>::from_fn(|k, _| (index / side.pow(k as u32) % side) as f64 - REACH as f64);
             if cell.norm() > 0.0 {
                 consider(&cell.normalize());
             }
@@ -170,4 +169,54 @@ fn normal<const D: usize>(distance: &impl Fn(&Vector<D>) -> f64, place: &Vector<
         distance(&high) - distance(&low)
     });
     gradient.try_normalize(0.0).unwrap_or_else(Vector::zeros)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    type V = Vector<2>;
+
+    fn solid<'a>(surfaces: Vec<&'a Surface<2>>, domain: &'a Domain<2>) -> Solid<'a, 2> {
+        Solid { surfaces, domain, spacing: 1.0, cutoff: 3.0 }
+    }
+
+    #[test]
+    fn a_disc_in_a_ring_lies_behind_the_rings_outer_face() {
+        let domain = Domain { min: V::zeros(), max: V::new(20.0, 20.0), periodic: [true, false] };
+        let centre = V::new(10.0, 10.0);
+        let disc: Surface<2> = Arc::new(move |x: &V| (x - centre).norm() - 2.5);
+        let ring: Surface<2> = Arc::new(move |x: &V| ((x - centre).norm() - 4.0).abs() - 1.5);
+        // Of the disc first, of the ring first; both are R = 5.5 together.
+        for (own, other, radius) in [(&disc, &ring, 1.3), (&ring, &disc, 2.9), (&ring, &disc, 5.2)] {
+            for angle in [0.1_f64, 1.3, 2.9, 4.4] {
+                let place = centre + V::new(angle.cos(), angle.sin()) * radius;
+                let cover = solid(vec![own, other], &domain).cover(&place);
+                // The way out is along the normal after four corrections; a step over a face is 1e-3.
+                assert!((cover.depth - (5.5 - radius)).abs() < 2e-3, "{radius}: {cover:?}");
+                assert!((cover.curvature * 5.5 - 1.0).abs() < 1e-2, "{radius}: {cover:?}");
+            }
+        }
+        // Alone the ring has an inner face too.
+        let cover = solid(vec![&ring], &domain).cover(&(centre + V::new(2.9, 0.0)));
+        assert!(
+            (cover.depth - 0.4).abs() < 1e-12 && (cover.curvature + 1.0 / 3.0).abs() < 1e-12,
+            "{cover:?}"
+        );
+    }
+
+    #[test]
+    fn a_plane_is_not_bent_and_a_corner_lies_behind_both_walls() {
+        let domain = Domain { min: V::zeros(), max: V::new(20.0, 20.0), periodic: [false; 2] };
+        let floor: Surface<2> = Arc::new(|x: &V| x[1]);
+        let side: Surface<2> = Arc::new(|x: &V| x[0]);
+        let both = solid(vec![&floor, &side], &domain);
+        assert_eq!(both.cover(&V::new(7.0, -1.5)), Cover { depth: 1.5, curvature: 0.0 });
+        let corner = both.cover(&V::new(-1.5, -0.5));
+        assert!((corner.depth - 2.5_f64.sqrt()).abs() < 5e-3, "{corner:?}");
+        assert!(corner.curvature.abs() <= 1.0 / 3.0);
+        // Fluid has no depth.
+        assert!(both.cover(&V::new(1.0, 1.0)).depth < 0.0);
+    }
 }

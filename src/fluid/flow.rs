@@ -319,7 +319,7 @@ fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
         viscosity: Viscosity { form },
         fourth_order: continuity == Continuity::Corrected && form == Friction::Morris && one_fluid,
         transport_stress: moved.then_some(TransportStress),
-        advects_at_walls: setup.advects_at_walls(),
+        bounds_drift: setup.bounds_drift(),
         shift: moved.then_some(Shift::new(shift, setup.cutoff, setup.reference_speed)),
         noise: setup.noise.as_ref().map(ThermalNoise::new),
     }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::RunError;
 use crate::fluid::blocks::{Block, build_blocks};
+use crate::fluid::carried;
 use crate::fluid::flow::Flow;
 use crate::fluid::mirror::{Continuation, Moving, mirror};
 use crate::fluid::motion::Motion;
@@ -457,6 +458,7 @@ impl<const D: usize> Flow<D> {
         let (terms, kernel) = (&self.terms, &self.kernel);
         let (sides, slopes, positions, asks) = (&self.sides, &self.slopes, &self.positions, &self.asks);
         let asked = asks.iter().any(|&asks| asks);
+        let bounds = terms.bounds_drift && terms.transport_stress.is_some();
         let obstacles = Obstacles {
             bodies: &self.bodies,
             rows: &self.rows,
@@ -473,6 +475,9 @@ impl<const D: usize> Flow<D> {
             .zip(self.rates.par_chunks_mut(Block::<D>::SIZE))
             .map(|(block, rates)| {
                 sweep_forces(block, rates, terms, kernel, (sides, slopes));
+                if bounds {
+                    carried::bound(block, rates, (sides, slopes));
+                }
                 if asked {
                     sweep_reactions(block, rates, terms, kernel, sides, |body| asks[body as usize]);
                 }
@@ -501,7 +506,6 @@ impl<const D: usize> Flow<D> {
         let sponges = Relaxation::new(&self.sponges, 0.5 * dt, self.passage(), &self.domain);
         let shift = self.terms.shift.as_ref();
         let gravity = self.setup.gravity;
-        let advects = self.terms.advects_at_walls && self.terms.transport_stress.is_some();
         self.positions
             .par_chunks_mut(Block::<D>::SIZE)
             .zip(self.sides.par_chunks_mut(Block::<D>::SIZE))
@@ -514,10 +518,6 @@ impl<const D: usize> Flow<D> {
                     }
                     *position += rates.correction;
                     own.acceleration = rates.force * side.inverse_density + gravity + own.lift;
-                    if advects && rates.fraction > 0.0 {
-                        // w·∇v, in the place of the divergence of v⊗w.
-                        own.acceleration += rates.spread * side.drift;
-                    }
                     side.velocity += own.acceleration * (0.5 * dt);
                     sponges.apply(position, &mut side.velocity);
                     if let Some(shift) = shift {

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`order`], [`candidates`], [`blocks`] | particles in the order of a space-filling curve; who may come near whom; neighbour lists in blocks of them |
 //! | [`setup`], [`motion`] | what a flow is made of; how solids move |
-//! | [`depth`] | how deep particles of solids lie behind the surface |
+//! | [`depth`], [`mirror`], `carried` | next to solids: how deep their particles lie; what they show; what of the drift's momentum counts |
 //! | [`particles`], [`pass`], [`physics`], [`terms`] | state; the sweeps over pairs; what they add up; one equation each |
 //! | [`wide`] | the sweeps and the lists once more for processors with AVX2 |
 //! | [`noise`], `filter`, `reaction` | thermal noise; Shepard's filter; what the fluid does to solids |
@@ -24,6 +24,7 @@ pub mod blocks;
 pub mod bodies;
 mod buffers;
 pub mod candidates;
+mod carried;
 pub mod deform;
 pub mod depth;
 mod edges;

@@ -20,8 +20,8 @@ pub struct Terms<const D: usize> {
     /// Whether friction between particles far from solids is of the fourth order, [`viscosity::beyond_the_second_order`].
     pub fourth_order: bool,
     pub transport_stress: Option<TransportStress>,
-    /// Whether next to solids the drift carries velocity, not momentum, [`Setup::advects_at_walls`](crate::fluid::Setup).
-    pub advects_at_walls: bool,
+    /// Whether the momentum that the drift carries is bounded next to solids, [`Setup::bounds_drift`](crate::fluid::Setup).
+    pub bounds_drift: bool,
     pub shift: Option<Shift<D>>,
     pub noise: Option<ThermalNoise<D>>,
 }
@@ -176,8 +176,7 @@ impl<const D: usize> Terms<D> {
             out -= (a.flux + b.flux) * (p.x * p.f);
         } else {
             friction.pair(rub, &p.x, &(i.velocity - j.velocity), &mut out);
-            let advected = self.advects_at_walls && slopes.is_some_and(|[i, _]| !i.clear);
-            if makeup.transport_stress && !advected {
+            if makeup.transport_stress {
                 TransportStress.pair(p, i, j, &mut out);
             }
         }

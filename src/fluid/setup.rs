@@ -181,7 +181,7 @@ pub struct Sponge<const D: usize> {
 /// 50² particles leaves its lattice with an error of 5 %, with 2 of 0.6 %; with 0.5 they clump, and it loses 4 % of its energy.
 const USUAL_SHIFT: f64 = 2.0;
 
-/// Largest A h U/ν where next to solids the shift carries momentum ([`Setup::advects_at_walls`]). That is the divergence of
+/// Largest A h U/ν where the momentum that the shift carries is not bounded ([`Setup::bounds_drift`]). That is the divergence of
 /// ρ v⊗w: besides w·∇v it holds v ∇·w, by which velocities grow where particles draw apart, and only friction holds that. A
 /// cavity of 100² at Re = 10 000 (h U/ν = 300) then blows up with A = 2 at 1.4 L/U, with 0.5 comes to 4.8 times the speed of
 /// its lid within 8 L/U, with 0.3 to 1.5 times, while the flow starts; at Re = 1000 (30) A = 2 is steady.
@@ -251,15 +251,14 @@ impl<const D: usize> Setup<D> {
             && self.noise.is_none()
     }
 
-    /// Whether next to solids the drift w carries velocity, w·∇v, and not momentum, ∇·(v⊗w): where gradients are known and all
-    /// solids move as told, so that nobody asks for the momentum they take. Far from solids, and where a solid is moved by the
-    /// fluid, momentum is conserved to rounding.
+    /// Whether what the drift carries is bounded next to solids (`carried`): where all of them move as told, so that nobody asks
+    /// for the momentum they take. Far from solids, and where the fluid moves a solid, momentum is conserved to rounding.
     #[must_use]
-    pub fn advects_at_walls(&self) -> bool {
+    pub fn bounds_drift(&self) -> bool {
         self.knows_gradients() && !self.bodies.iter().any(|body| body.is_free() || body.is_elastic())
     }
 
-    /// Strength A of the shift: 2, but at most 90 ν/(h U) where it carries momentum next to solids; none where particles move
+    /// Strength A of the shift: 2, but at most 90 ν/(h U) where the momentum it carries is not bounded; none where particles move
     /// with their momentum.
     #[must_use]
     pub fn shift(&self) -> f64 {
@@ -271,7 +270,7 @@ impl<const D: usize> Setup<D> {
             BodyKind::Solid { .. } => least,
         });
         let held = HELD_BY_FRICTION * nu / (self.cutoff * self.reference_speed);
-        let usual = if self.advects_at_walls() { USUAL_SHIFT } else { USUAL_SHIFT.min(held) };
+        let usual = if self.bounds_drift() { USUAL_SHIFT } else { USUAL_SHIFT.min(held) };
         self.options.shift.unwrap_or(usual)
     }
 
