@@ -7,9 +7,7 @@
 //!
 //! - k is what the friction of the fluid near the wall says of ∇²v: in a steady flow friction is right even where its sum
 //!   is not, for it balances the other forces. At a wall the derivatives along it vanish, less those of the wall's own
-//!   velocity v_w, so ∇²v is ∂²v/∂s² + κ ∂v/∂s, κ the divergence of the normal (1/R of a cylinder in the fluid). Only along
-//!   the wall: across it pressure answers whatever friction does, also to what this shows; with it a cavity at Re = 100 erred
-//!   twice as much;
+//!   velocity v_w, so ∇²v is ∂²v/∂s² + κ ∂v/∂s, κ the divergence of the normal (1/R of a cylinder in the fluid);
 //! - g, the slope, fits v_f - v_w - ½ k s_f² of the fluid in reach. Over a bent surface what lies beside is higher,
 //!   by ½ κ/(D - 1) times the square of how far beside.
 //!
@@ -95,7 +93,6 @@ pub fn mirror<const D: usize, F: Fn(&Vector<D>) -> Vector<D>>(
         return Mirror { velocity: surface * 2.0 - velocity / all, pressure };
     }
     let out = towards / (reach * all);
-    let bend = bend - out * out.dot(&bend);
     let surface = (wall.velocity)(&(out * depth));
     let carried = |x: &Vector<D>| if wall.turns { (wall.velocity)(x) } else { surface };
     let beside = 0.5 * curvature / (D as f64 - 1.0).max(1.0);
