@@ -27,6 +27,7 @@ pub fn side<const D: usize>(density: f64, pressure: f64) -> Side<D> {
         viscosity: 1.0,
         moment: Symmetric::identity(1.0),
         uneven: false,
+        held: false,
         reach: 0.0,
     }
 }
