@@ -42,7 +42,8 @@ pub fn covers<const D: usize>(setup: &Setup<D>) -> Vec<Cover> {
         .collect()
 }
 
-/// Whether two bodies keep their place relative to each other. Elastic ones are clamped where they touch still ones.
+/// Whether two bodies move alike, so that what the fluid sees is the surface of both. Elastic ones are clamped where they
+/// touch still ones; a belt keeps its place, but its surface has a velocity of its own.
 fn stay_together<const D: usize>(one: &Motion<D>, other: &Motion<D>) -> bool {
     let rests = |motion: &Motion<D>| matches!(motion, Motion::Still | Motion::Elastic(_));
     match (one, other) {

@@ -110,13 +110,14 @@ impl<const D: usize> Flow<D> {
             let prescribed = open.as_ref().map_or(0.0, Open::largest_pressure);
             setup.pressure_scale = Some(setup.expected_pressure().max(prescribed));
         }
+        let shift = setup.shift(open.is_some());
         let openings = open.map(|open| Openings::new(open, &setup));
         let sound_speed = setup.sound_speed.unwrap_or_else(|| setup.automatic_sound_speed());
-        let (h, shift) = (setup.cutoff, setup.shift());
+        let h = setup.cutoff;
         let options = &setup.options;
         let courant = options.courant.unwrap_or(if shift > 5.0 { 1.0 / shift } else { 0.2 });
         let (lightest, stickiest) = setup.lightest_and_stickiest();
-        let terms = terms(&setup);
+        let terms = terms(&setup, shift);
         let (mut positions, mut sides, mut own) = (Vec::new(), Vec::new(), Vec::new());
         for (id, (placed, cover)) in setup.particles.iter().zip(covers(&setup)).enumerate() {
             let (material, density, viscosity) = match &setup.bodies[placed.body as usize].kind {
@@ -294,8 +295,8 @@ impl<const D: usize> Flow<D> {
 }
 
 /// The physics a setup asks for, but for the density diffusion, which waits for the sound speed.
-fn terms<const D: usize>(setup: &Setup<D>) -> Terms<D> {
-    let (shift, options) = (setup.shift(), &setup.options);
+fn terms<const D: usize>(setup: &Setup<D>, shift: f64) -> Terms<D> {
+    let options = &setup.options;
     let moved = shift > 0.0;
     let form = if setup.method == Method::Sph { Friction::Morris } else { setup.friction };
     // At the interface of two the velocity has a kink.

@@ -211,7 +211,14 @@ impl<const D: usize> Flow<D> {
                         carry(&bodies[side.body as usize], row, own, position, side, (time, dt));
                         // Back into the box: the sweeps turn round a periodic axis once only.
                         *position = domain.wrap(position);
-                        furthest = furthest.max(domain.separation(position, &before).norm_squared());
+                        let way = domain.separation(position, &before);
+                        if bodies[side.body as usize].is_elastic() && dt > 0.0 {
+                            // By which it went, as that of the fluid: at the end of its own steps it has felt half of the
+                            // load of this step and all of what resists it, and a wall at rest would seem to come
+                            // towards the fluid that presses on it.
+                            side.velocity = way / dt;
+                        }
+                        furthest = furthest.max(way.norm_squared());
                     }
                 }
                 furthest
@@ -522,8 +529,8 @@ impl<const D: usize> Flow<D> {
                     sponges.apply(position, &mut side.velocity);
                     if let Some(shift) = shift {
                         side.drift = shift.velocity(&rates.crowding, side.density / own.rest_density);
-                        side.held = sponges.damp(position, &mut side.drift);
                     }
+                    side.held = sponges.damp(position, &mut side.drift);
                 }
             });
         self.load_bodies(dt);

@@ -57,8 +57,8 @@ pub enum Continuation {
 /// Σ_f [p_f + rho_f (g - a_w)·x_wf] V_f W/Σ_f V_f W of solid particle `row` of a block, the sums over its fluid
 /// contacts. Without fluid in reach: the wall's own velocity and no pressure.
 ///
-/// v_w is the velocity at the surface: taken at the solid particle, the fluid in a rotating drum ends 1.6 % faster than
-/// the drum.
+/// v_w is the velocity at the surface, or the rigid one at each place: taken at the solid particle for all, the fluid in a
+/// rotating drum ends 1.6 % faster than the drum.
 #[must_use]
 pub fn mirror<const D: usize, F: Fn(&Vector<D>) -> Vector<D>>(
     block: &Block<D>,

@@ -371,7 +371,7 @@ fn sum_forces<const D: usize>(
         for c in block.inner.row(row) {
             let j = &sides[c.j as usize];
             let pair = Pair::new(&c);
-            let theirs = makeup.spreads().then(|| [&slopes[first + row], &slopes[c.j as usize]]);
+            let theirs = makeup.fourth_order.then(|| [&slopes[first + row], &slopes[c.j as usize]]);
             let between = terms.force(makeup, &pair, i, j, theirs);
             let other = &mut rates[c.j as usize - first];
             force += between * j.volume;
@@ -385,7 +385,7 @@ fn sum_forces<const D: usize>(
         for c in block.outer.row(row) {
             let j = &sides[c.j as usize];
             let pair = Pair::new(&c);
-            let theirs = makeup.spreads().then(|| [&slopes[first + row], &slopes[c.j as usize]]);
+            let theirs = makeup.fourth_order.then(|| [&slopes[first + row], &slopes[c.j as usize]]);
             force += terms.force(makeup, &pair, i, j, theirs) * j.volume;
             if makeup.shift {
                 crowding += Shift::pair(&pair) * j.volume;

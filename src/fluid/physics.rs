@@ -153,7 +153,7 @@ impl<const D: usize> Terms<D> {
     }
 
     /// The force between fluid i and j, N/m³ times m^-D: V_j of it is the force per volume of i. `slopes` are theirs where
-    /// gradients are known.
+    /// friction is of the fourth order.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -167,8 +167,7 @@ impl<const D: usize> Terms<D> {
         makeup.pressure.pair(p, i, j, &mut out);
         let rub = self.rub::<false>(makeup, p, i, j);
         let friction = Viscosity { form: makeup.form };
-        if makeup.fourth_order
-            && let Some([a, b]) = slopes
+        if let Some([a, b]) = slopes
             && a.clear
             && b.clear
         {

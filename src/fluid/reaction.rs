@@ -17,7 +17,8 @@ pub struct Reaction<const D: usize> {
 
 impl<const D: usize> Flow<D> {
     /// Asks for the reaction of the fluid on the solid `body` from the next step on; a body that does not exist
-    /// changes nothing. A body that nobody asks for costs nothing.
+    /// changes nothing. A body that nobody asks for costs nothing. What is taken from the momentum that the shift carries next to
+    /// bodies that move as told ([`Setup::bounds_drift`](crate::fluid::Setup::bounds_drift)) is no part of it.
     pub fn ask_for_reaction(&mut self, body: u8) {
         if let Some(asks) = self.asks.get_mut(body as usize) {
             *asks = true;

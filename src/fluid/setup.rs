@@ -192,7 +192,7 @@ const HELD_BY_FRICTION: f64 = 90.0;
 pub struct Options {
     /// Strength of the density diffusion (Antuono et al. 2010), dimensionless.
     pub delta: f64,
-    /// Strength A of the shift; if `None` 2, less where h U/ν is above 45 ([`Setup::shift`]); 0 turns it off.
+    /// Strength A of the shift; if `None` as [`Setup::shift`] says; 0 turns it off.
     pub shift: Option<f64>,
     /// Courant number dt (c0 + U)/h; 1/A but at most 0.2 if `None`.
     pub courant: Option<f64>,
@@ -258,10 +258,11 @@ impl<const D: usize> Setup<D> {
         self.knows_gradients() && !self.bodies.iter().any(|body| body.is_free() || body.is_elastic())
     }
 
-    /// Strength A of the shift: 2, but at most 90 ν/(h U) where the momentum it carries is not bounded; none where particles move
+    /// Strength A of the shift: 2, but at most 90 ν/(h U) where something else than solids that move as told disturbs the
+    /// particles, as ends that are `open`; none where particles move
     /// with their momentum.
     #[must_use]
-    pub fn shift(&self) -> f64 {
+    pub fn shift(&self, open: bool) -> f64 {
         if self.method != Method::SphBvf {
             return 0.0;
         }
@@ -269,8 +270,11 @@ impl<const D: usize> Setup<D> {
             BodyKind::Fluid { density, viscosity } => least.min(viscosity / density),
             BodyKind::Solid { .. } => least,
         });
-        let held = HELD_BY_FRICTION * nu / (self.cutoff * self.reference_speed);
-        let usual = if self.bounds_drift() { USUAL_SHIFT } else { USUAL_SHIFT.min(held) };
+        let held = USUAL_SHIFT.min(HELD_BY_FRICTION * nu / (self.cutoff * self.reference_speed));
+        // Pumps, open ends and other fluids disturb particles too, and nothing bounds what they do.
+        let fluids = self.bodies.iter().filter(|body| matches!(body.kind, BodyKind::Fluid { .. })).count();
+        let only_solids = self.has_solids() && self.sponges.is_empty() && fluids == 1 && !open;
+        let usual = if only_solids && self.bounds_drift() { USUAL_SHIFT } else { held };
         self.options.shift.unwrap_or(usual)
     }
 
