@@ -109,8 +109,14 @@ fn channel_with_a_disc(bencher: Bencher) {
     rate(bencher, bath::<2>(100, Method::SphBvf, false, true), 100);
 }
 
-/// A million particles in 3D with noise.
-#[divan::bench(sample_count = 2, sample_size = 1)]
-fn million(bencher: Bencher) {
-    rate(bencher, bath::<3>(100, Method::Sdpd, true, false), 2);
+/// A million particles in 3D: to be set beside `cube_sdpd` and `cube` of the same sitting.
+#[divan::bench(args = [false, true], sample_count = 2, sample_size = 1)]
+fn million_sdpd(bencher: Bencher, noise: bool) {
+    rate(bencher, bath::<3>(100, Method::Sdpd, noise, false), 2);
+}
+
+/// The transport-velocity method at a million.
+#[divan::bench(args = [false, true], sample_count = 2, sample_size = 1)]
+fn million(bencher: Bencher, noise: bool) {
+    rate(bencher, bath::<3>(100, Method::SphBvf, noise, false), 2);
 }

@@ -204,6 +204,15 @@ fn without_a_flow(#[case] condition: &str, #[case] place: &str) {
     check(&message, place, &["none moves here", "`fluid:`"]);
 }
 
+/// What moves a fluid that is described, with a fault, is none.
+#[test]
+fn a_fault_of_the_fluid_is_told_alone() {
+    let lid = "conditions: { c: { moving_wall: { in: y_max, velocity: [1 mm/s, 0] } } }\ninitial:";
+    let message = refused(&PARTICLES.replace("initial:", lid), "viscosity: 1 mPa s", "viscosity: 1 mPa", &[]);
+    assert!(message.contains("1 fault"), "{message}");
+    assert!(!message.contains("none moves here"), "{message}");
+}
+
 #[test]
 fn a_probe_of_a_surface_that_nothing_passes() {
     let message = refused(PARTICLES, "every: 1 us", "every: 1 us, probes: { p: { surface: y_min } }", &[]);

@@ -65,7 +65,7 @@ pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults
     let mut fields = Fields::of(node, "fluid", faults)?;
     let method = match fields.optional("method") {
         None => Some(Method::default()),
-        Some(n) => n.choice(&METHODS, faults)?,
+        Some(n) => n.choice(&METHODS, faults).unwrap_or_else(|| Some(Method::default())),
     };
     let Some(method) = method else {
         fields.finish(faults);
@@ -113,23 +113,25 @@ pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults
         None => Some(Options::default()),
     };
     fields.finish(faults);
-    let (friction, state) =
-        (friction.unwrap_or(Some(Friction::default())), state.unwrap_or(Some(EquationOfState::default())));
+    // What has a fault is replaced, so that conditions can be checked; NaN fits any flow.
     Some(FluidModel {
         method,
-        friction: friction?,
-        state: state?,
-        density: density?,
-        viscosity: viscosity?,
-        speed: speed?,
-        length: given(length)?,
-        sound_speed: given(sound_speed)?,
-        pressure_scale: given(pressure_scale)?,
-        temperature: given(temperature)?,
-        velocity: velocity?,
-        settle: settle.unwrap_or(Some(0.0))?,
-        options: options?,
-        places: FluidPlaces { speed: speed_place?, sound_speed: sound_speed_place },
+        friction: friction.flatten().unwrap_or_default(),
+        state: state.flatten().unwrap_or_default(),
+        density: density.unwrap_or(f64::NAN),
+        viscosity: viscosity.unwrap_or(f64::NAN),
+        speed: speed.unwrap_or(f64::NAN),
+        length: length.flatten(),
+        sound_speed: sound_speed.flatten(),
+        pressure_scale: pressure_scale.flatten(),
+        temperature: temperature.flatten(),
+        velocity: velocity.unwrap_or_default(),
+        settle: settle.flatten().unwrap_or(0.0),
+        options: options.unwrap_or_default(),
+        places: FluidPlaces {
+            speed: speed_place.unwrap_or_else(|| node.place.clone()),
+            sound_speed: sound_speed_place,
+        },
     })
 }
 
