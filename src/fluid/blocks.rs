@@ -24,13 +24,6 @@ pub struct Contact<const D: usize> {
     pub j: u32,
 }
 
-/// Where the other of a pair is seen and who it is.
-#[derive(Clone, Copy, Debug)]
-struct Seen<const D: usize> {
-    x: Vector<D>,
-    j: u32,
-}
-
 /// Lists of candidates, one a particle of a block, and those of them within the cut-off.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Rows<const D: usize> {
@@ -38,15 +31,16 @@ pub struct Rows<const D: usize> {
     list: Vec<u32>,
     #[serde(skip)]
     contact_ends: Vec<u32>,
-    /// Of the contacts; of this and the next three the first `contact_ends.last()` are in use.
+    /// Of the contacts; of this and the next three the first `contact_ends.last()` are in use. Few bytes
+    /// each: those of many particles go to memory in one sweep and come back in another.
     #[serde(skip)]
-    seen: Vec<Seen<D>>,
-    /// r² until weighed, then [`Contact::weight`]; apart from `seen` so that kernels are evaluated many at a time.
+    others: Vec<u32>,
+    /// x_i - x_j, m.
+    #[serde(skip)]
+    ways: Vec<Vector<D>>,
+    /// r² until weighed, then [`Contact::weight`]; apart from `ways` so that kernels are evaluated many at a time.
     #[serde(skip)]
     weights: Vec<f64>,
-    /// 1/r², m^-2.
-    #[serde(skip)]
-    inverse_squares: Vec<f64>,
     /// F of the shift's own kernel; empty without a shift.
     #[serde(skip)]
     shifts: Vec<f64>,
@@ -58,34 +52,33 @@ impl<const D: usize> Rows<D> {
     pub fn row(&self, row: usize) -> impl Iterator<Item = Contact<D>> + '_ {
         let start = if row == 0 { 0 } else { self.contact_ends[row - 1] as usize };
         let mine = start..self.contact_ends[row] as usize;
-        let (seen, weights, inverse_squares) =
-            (&self.seen[mine.clone()], &self.weights[mine.clone()], &self.inverse_squares[mine.clone()]);
+        let (others, ways, weights) =
+            (&self.others[mine.clone()], &self.ways[mine.clone()], &self.weights[mine.clone()]);
         let shifts = self.shifts.get(mine).unwrap_or(&[]);
-        let all = seen.iter().zip(weights).zip(inverse_squares).enumerate();
-        all.map(|(n, ((seen, &weight), &inverse_square))| Contact {
-            x: seen.x,
+        let all = others.iter().zip(ways).zip(weights).enumerate();
+        all.map(|(n, ((&j, &x), &weight))| Contact {
+            x,
             weight,
             f_shift: shifts.get(n).copied().unwrap_or(0.0),
-            inverse_square,
-            j: seen.j,
+            inverse_square: 1.0 / x.norm_squared(),
+            j,
         })
     }
 
-    /// Puts F in the place of r², and beside it 1/r² and F of the shift's kernel.
+    /// Puts F in the place of r², and beside it F of the shift's kernel.
     #[inline(always)]
     fn weigh(&mut self, kernel: &Kernel<D>, shift: Option<&Kernel<D>>) {
         let count = self.contacts() as usize;
-        let (weights, inverse_squares) = (&mut self.weights[..count], &mut self.inverse_squares[..count]);
+        let room = self.weights.len();
+        let weights = &mut self.weights[..count];
         if shift.is_some() && self.shifts.len() < count {
-            self.shifts.reserve_exact(inverse_squares.len() - self.shifts.len());
+            self.shifts.reserve_exact(room - self.shifts.len());
             self.shifts.resize(count, 0.0);
         }
         // As many at a time as stay near at hand.
         const MANY: usize = 256;
-        let all = weights.chunks_mut(MANY).zip(inverse_squares.chunks_mut(MANY)).enumerate();
-        for (n, (weights, inverse_squares)) in all {
-            for (weight, inverse_square) in weights.iter_mut().zip(inverse_squares) {
-                *inverse_square = 1.0 / *weight;
+        for (n, weights) in weights.chunks_mut(MANY).enumerate() {
+            for weight in &mut *weights {
                 *weight = weight.sqrt();
             }
             if let Some(shift) = shift {
@@ -99,8 +92,8 @@ impl<const D: usize> Rows<D> {
     fn weigh_by_value(&mut self, row: usize, kernel: &Kernel<D>) {
         let start = if row == 0 { 0 } else { self.contact_ends[row - 1] as usize };
         let mine = start..self.contact_ends[row] as usize;
-        for (weight, seen) in self.weights[mine.clone()].iter_mut().zip(&self.seen[mine]) {
-            *weight = kernel.value(seen.x.norm_squared().sqrt());
+        for (weight, way) in self.weights[mine.clone()].iter_mut().zip(&self.ways[mine]) {
+            *weight = kernel.value(way.norm_squared().sqrt());
         }
     }
 
@@ -134,25 +127,27 @@ impl<const D: usize> Rows<D> {
         for (row, &end) in self.ends.iter().enumerate() {
             let candidates = &self.list[start..end as usize];
             let needed = found + candidates.len();
-            if self.seen.len() < needed {
+            if self.ways.len() < needed {
                 // A little more at a time: doubling would waste what the lists of a million particles take.
-                let length = needed + 256;
-                self.seen.reserve_exact(length - self.seen.len());
-                self.seen.resize(length, Seen { x: Vector::zeros(), j: 0 });
-                for weights in [&mut self.weights, &mut self.inverse_squares] {
-                    weights.reserve_exact(length - weights.len());
-                    weights.resize(length, 0.0);
-                }
+                let (more, length) = (needed + 256 - self.ways.len(), needed + 256);
+                self.others.reserve_exact(more);
+                self.others.resize(length, 0);
+                self.ways.reserve_exact(more);
+                self.ways.resize(length, Vector::zeros());
+                self.weights.reserve_exact(more);
+                self.weights.resize(length, 0.0);
             }
             let here = positions[first + row];
-            let (seen, weights) = (&mut self.seen[found..needed], &mut self.weights[found..needed]);
+            let room = found..needed;
+            let (others, ways, weights) =
+                (&mut self.others[room.clone()], &mut self.ways[room.clone()], &mut self.weights[room]);
             let mut taken = 0;
             for &candidate in candidates {
                 let j = candidate & !TURNED;
                 let x = separation(&here, &positions[j as usize], candidate & TURNED != 0);
                 let r2 = x.norm_squared();
                 // Written always, kept if near: no branch to be guessed.
-                (seen[taken], weights[taken]) = (Seen { x, j }, r2);
+                (others[taken], ways[taken], weights[taken]) = (j, x, r2);
                 taken += usize::from(r2 < limit);
             }
             found += taken;
