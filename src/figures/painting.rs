@@ -54,19 +54,77 @@ pub(super) fn map(samples: &Samples, left: f64, top: f64, width: f64) -> Panel {
     Panel { left, top, width, height, x: axis(x0, x1, "x"), y: axis(y0, y1, "y") }
 }
 
-/// Every point of the sheet takes the colour of the nearest particle, no further than one and a half
-/// spacings; where nothing moves, about as far as the corner of its square.
+/// Walls at rest whose outlines are known: which particles are theirs, and the outlines, m.
+struct Walls<'a> {
+    own: Vec<bool>,
+    outlines: Vec<&'a [[f64; 2]]>,
+}
+
+impl<'a> Walls<'a> {
+    /// Those whose particles lie within their outlines, all but a few.
+    fn of(samples: &'a Samples, frame: &ParticleFrame) -> Walls<'a> {
+        const FEW: f64 = 0.02;
+        let mut found = Walls { own: vec![false; frame.len()], outlines: Vec::new() };
+        let walls = samples.record.domain.groups.iter().filter(|g| g.material == "wall");
+        for group in walls.filter(|g| !g.outlines.is_empty()) {
+            let outlines: Vec<&[[f64; 2]]> = group.outlines.iter().map(Vec::as_slice).collect();
+            let members: Vec<usize> =
+                (0..frame.len()).filter(|&i| frame.group_name(i) == group.name).collect();
+            let outside =
+                members.iter().filter(|&&i| !holds(&outlines, frame.position[i][0], frame.position[i][1]));
+            if outside.count() as f64 <= FEW * members.len() as f64 {
+                members.iter().for_each(|&i| found.own[i] = true);
+                found.outlines.extend(outlines);
+            }
+        }
+        found
+    }
+
+    /// Whether a particle and a point are both of the walls, or both not.
+    fn agree(&self, i: usize, inside: bool) -> bool {
+        self.own[i] == inside
+    }
+
+    fn hold(&self, x: f64, y: f64) -> bool {
+        holds(&self.outlines, x, y)
+    }
+}
+
+/// Whether a point lies within an odd number of closed polygons.
+fn holds(outlines: &[&[[f64; 2]]], x: f64, y: f64) -> bool {
+    let crossings = |outline: &[[f64; 2]]| {
+        let edges = outline.windows(2).filter(|edge| (edge[0][1] > y) != (edge[1][1] > y));
+        let at = |[a, b]: [[f64; 2]; 2]| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+        edges.filter(|edge| at([edge[0], edge[1]]) > x).count()
+    };
+    outlines.iter().map(|outline| crossings(outline)).sum::<usize>() % 2 == 1
+}
+
+/// Every point of the sheet takes the colour of the nearest particle, in walls at rest of theirs and outside of the others;
+/// no further than one and a half spacings; where nothing moves, about as far as the corner of its square or cube. In three
+/// dimensions the sheet is the middle plane.
 pub(super) fn paint(samples: &Samples, d: &mut Drawing, panel: &Panel, field: &Field<'_>, bar: &Bar<'_>) {
     /// Size of a point, mm: two pixels of the PNG.
     const POINT: f64 = 0.2;
     let frame = field.frame;
-    let shown: Vec<usize> =
-        (0..frame.len().min(field.values.len())).filter(|&i| in_slice(samples, frame, i)).collect();
+    let all = || 0..frame.len().min(field.values.len());
+    let solid = samples.record.domain.dimensions == 3;
+    let reach = match (samples.record.steps.fluid.is_some(), solid) {
+        (true, _) => 1.5,
+        (false, true) => 0.9,
+        (false, false) => 0.75,
+    };
+    // How far a particle lies before or behind the sheet, m.
+    let domain = &samples.record.domain;
+    let middle = if solid { 0.5 * (domain.min[2] + domain.max[2]) } else { 0.0 };
+    let aside = |i: usize| if solid { frame.position[i][2] - middle } else { 0.0 };
+    let near = |i: &usize| aside(*i).abs() <= reach * spacing(samples, frame, *i);
+    let shown: Vec<usize> = all().filter(near).collect();
     let cell = shown.iter().map(|&i| spacing(samples, frame, i)).fold(0.0, f64::max);
     if cell <= 0.0 {
         return;
     }
-    let reach = if samples.record.steps.fluid.is_some() { 1.5 } else { 0.75 };
+    let walls = Walls::of(samples, frame);
     let key = |x: f64, y: f64| ((x / cell).floor() as i64, (y / cell).floor() as i64);
     let mut cells: std::collections::HashMap<(i64, i64), Vec<usize>> = std::collections::HashMap::new();
     for &i in &shown {
@@ -75,8 +133,12 @@ pub(super) fn paint(samples: &Samples, d: &mut Drawing, panel: &Panel, field: &F
     let nearest = |x: f64, y: f64| -> Option<usize> {
         let (kx, ky) = key(x, y);
         let around = (-1..=1).flat_map(|a| (-1..=1).map(move |b| (kx + a, ky + b)));
-        let away = |i: usize| (frame.position[i][0] - x).powi(2) + (frame.position[i][1] - y).powi(2);
+        let away = |i: usize| {
+            (frame.position[i][0] - x).powi(2) + (frame.position[i][1] - y).powi(2) + aside(i).powi(2)
+        };
+        let inside = walls.hold(x, y);
         let candidates = around.filter_map(|k| cells.get(&k)).flatten().copied();
+        let candidates = candidates.filter(|&i| walls.agree(i, inside));
         let near = candidates.map(|i| (away(i), i)).min_by(|a, b| a.0.total_cmp(&b.0));
         near.filter(|n| n.0 <= (reach * cell).powi(2)).map(|n| n.1)
     };
@@ -138,6 +200,12 @@ pub(super) fn draw_arrows(
         let length = panel.width / ACROSS * 0.85 * (speed / fastest).sqrt();
         let (ex, ey) = (u / n / speed, -v / n / speed);
         let [cx, cy] = panel.at(x / n, y / n);
+        // All of it on the sheet.
+        let within = |c: f64, half: f64, low: f64, size: f64| {
+            (c - low).min(size - half).max(half.min(0.5 * size)) + low
+        };
+        let cx = within(cx, (0.5 * ex * length).abs(), panel.left, panel.width);
+        let cy = within(cy, (0.5 * ey * length).abs(), panel.top, panel.height);
         let tip = [cx + ex * length / 2.0, cy + ey * length / 2.0];
         let tail = [cx - ex * length / 2.0, cy - ey * length / 2.0];
         let head = (0.4 * length).min(1.3);
