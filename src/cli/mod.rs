@@ -181,7 +181,7 @@ fn perform(verb: Verb) -> Result<(), Stop> {
         Verb::Compare(options) => compare::compare(&options),
         Verb::Network { file, svg, dot } => verbs::network(&file, svg, dot),
         Verb::Validate { cases, list, full, only, out } => {
-            verbs::validate(&cases, list, Scope { full, only: only.as_deref() }, &out)
+            verbs::validate(&cases, list, Scope { full, only: only.as_deref(), met: None }, &out)
         }
         Verb::Import { format } => import::import(&format),
         Verb::Completions { shell } => {

@@ -98,7 +98,15 @@ pub(crate) fn validate(names: &[String], list: bool, scope: Scope, out: &Path) -
     }
     let mut failed = false;
     for case in chosen {
-        let verdict = (case.run)(scope).map_err(Stop::from)?;
+        let met = std::cell::Cell::new(false);
+        let verdict = (case.run)(Scope { met: Some(&met), ..scope }).map_err(Stop::from)?;
+        if let Some(only) = scope.only.filter(|_| !met.get()) {
+            return Err(Fault::general(
+                format!("--only {only}: `{}` has no part of that name", case.name),
+                "parts are named as in the first column of its table, e.g. `Re 1000 200`, `Ra 1e5 100`, `320`; without the option the case runs as it is",
+            )
+            .into());
+        }
         print(&verdict.to_string());
         let dir = out.join(case.name);
         validation::write(&verdict, &dir)?;

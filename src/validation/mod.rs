@@ -42,6 +42,7 @@ use crate::samples::ParticleFrame;
 use crate::simulation::{NotReady, Ready, Watch};
 use findings::Findings;
 pub use findings::{Curves, write};
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 pub use verdict::{Row, Verdict};
 
@@ -61,6 +62,8 @@ pub struct Scope<'a> {
     pub full: bool,
     /// Only the parts whose name holds these words, e.g. `Re 1000 200`; where a case has such parts.
     pub only: Option<&'a str>,
+    /// Whether any part had such a name.
+    pub met: Option<&'a Cell<bool>>,
 }
 
 impl Scope<'_> {
@@ -74,7 +77,12 @@ impl Scope<'_> {
                 apart(part[..at].chars().next_back()) && apart(part[at + text.len()..].chars().next())
             })
         };
-        self.only.map_or(self.full || quick, holds)
+        let Some(only) = self.only else { return self.full || quick };
+        let taken = holds(only);
+        if let Some(met) = self.met.filter(|_| taken) {
+            met.set(true);
+        }
+        taken
     }
 }
 
