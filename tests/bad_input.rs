@@ -398,6 +398,9 @@ fn a_negative_propensity_is_shown_with_its_expression() {
 #[case::molecules_that_enter("x: periodic", "x: open", "a: { open: { at: x_min, pressure: 0, species: { A: 100 } } }", "m.yaml:15:26", &["is a concentration"])]
 #[case::wall_at_an_open_end("x: periodic", "x: open", "a: { moving_wall: { in: x_min, velocity: [0, 1 mm/s] } }", "m.yaml:15:39", &["open along x; there is no wall"])]
 #[case::held_in_what_flows_out("x: periodic", "x: open", "a: { open: { at: x_min, pressure: 0 } }, b: { open: { at: x_max, pressure: 0 } }, h: { held: { in: medium, species: { A: 1 uM } } }", "m.yaml:15:97", &["leave the box", "sponge"])]
+#[case::velocity_of_another_dimension("x: periodic", "x: open", "a: { open: { at: x_min, velocity: [\"1 mm/s * 4 * y * (8 um - y)\", 0] } }, b: { open: { at: x_max, pressure: 0 } }", "m.yaml:15:51", &["volume flow rate", "expected velocity"])]
+#[case::less_than_nothing_enters("x: periodic", "x: open", "a: { open: { at: x_min, velocity: [1 mm/s, 0], species: { A: \"1 uM * (y - 4 um) / 1 um\" } } }, b: { open: { at: x_max, pressure: 0 } }", "m.yaml:15:15", &["the concentration of `A` is -", "max(0, ...)"])]
+#[case::an_end_with_a_fault_is_told_once("x: periodic", "x: open", "a: { open: { at: x_min, pressure: 1 mM } }, b: { open: { at: x_max, pressure: 0 } }", "m.yaml:15:49", &["expected a pressure", "1 fault"])]
 fn of_open_ends(
     #[case] from: &str,
     #[case] to: &str,
@@ -407,6 +410,23 @@ fn of_open_ends(
 ) {
     let model = PARTICLES.replace("initial:", &format!("conditions: {{ {conditions} }}\ninitial:"));
     check(&refused(&model, from, to, &[]), place, words);
+}
+
+#[rstest]
+#[case::across_a_side("post", "disc: { centre: [92 um, 4 um], radius: 2 um }", "m.yaml:13:3", &["`post` has no particles", "outside the box along x"])]
+#[case::half_of_the_box("post", "half_space: { point: [6 um, 0], normal: [1, 0] }", "m.yaml:13:3", &["does not go on", "as a box"])]
+#[case::all_of_the_box("medium", "box: { min: [-1 um, -1 um], max: [9 um, 9 um] }", "m.yaml:14:8", &["no particle is fluid"])]
+#[case::lattice_of_the_sides("spaced", "", "m.yaml:11:12", &["walls round the box", "cells along x"])]
+fn of_walls(#[case] name: &str, #[case] shape: &str, #[case] place: &str, #[case] words: &[&str]) {
+    let wall = format!("{name}: {{ material: wall, shape: {{ {shape} }} }}");
+    let model = match name {
+        "medium" => PARTICLES.replace("medium: { material: fluid, shape: everything_else }", &wall),
+        "spaced" => PARTICLES
+            .replace("spacing: 1 um,", "spacing: 0.9 um,")
+            .replace("medium: { material", "medium: { spacing: 1 um, material"),
+        _ => PARTICLES.replace("groups:\n", &format!("groups:\n  {wall}\n")),
+    };
+    check(&refused(&model, "name: t", "name: t", &[]), place, words);
 }
 
 #[rstest]

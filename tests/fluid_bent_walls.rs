@@ -68,6 +68,7 @@ fn annulus(spacing: f64) -> Flow<2> {
         sound_speed: None,
         pressure_scale: None,
         body_force: V::zeros(),
+        buoyancy: Vector::zeros(),
         sponges: Vec::new(),
         initial_velocity: V::zeros(),
         method: Default::default(),

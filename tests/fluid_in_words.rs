@@ -50,6 +50,7 @@ fn fluids(#[case] fluid: &str) {
 #[case::oscillating("m: { moving_wall: { in: post, velocity: [0, 1 mm/s], frequency: 1 kHz } }")]
 #[case::oscillating_side("m: { moving_wall: { in: y_min, velocity: [1 mm/s, 0], frequency: 1 kHz } }")]
 #[case::rotating("m: { moving_wall: { in: post, rotation: 100 1/s, centre: [10 um, 10 um] } }")]
+#[case::rotating_about_its_middle("m: { moving_wall: { in: post, rotation: 100 1/s } }")]
 fn solids_move(#[case] motion: &str) {
     let text = model(POST, "", motion);
     checked(&text);
@@ -94,6 +95,31 @@ output: { times: [0, 1 ms], probes: { line: { line: { from: [0.25 mm, 0], to: [0
         }
     }
     assert!(record(&dir)["health"]["momentum_drift"].as_f64().unwrap() < 1e-10);
+}
+
+/// A post on the periodic side is the post in the middle, seen from half a box further.
+#[rstest]
+fn a_post_goes_on_beyond_a_periodic_side(#[values("square", "rings")] lattice: &str) {
+    let bench = Bench::new();
+    let profile = |centre: &str, line: &str| {
+        let post = POST.replace("[10 um", &format!("[{centre} um"));
+        let post = post.replace("wall,", &format!("wall, lattice: {lattice},"));
+        let text = model(&post, "", "pull: { force: { acceleration: [1000 m/s^2, 0] } }")
+            .replace("until: 1 us", "until: 20 us")
+            .replace(
+                "{ every: 1 us }",
+                &format!("{{ times: [20 us], probes: {{ up: {{ line: {{ from: [{line} um, 0], to: [{line} um, 20 um], points: 9 }} }} }} }}"),
+            );
+        let dir = bench.run(&bench.model(&format!("m{centre}.yaml"), &text), centre, &[]);
+        assert_eq!(record(&dir)["health"]["penetrations"], 0);
+        let rows = read_probes(&dir).unwrap();
+        let row = rows.iter().find(|row| row.quantity == "vx").unwrap();
+        row.value.clone()
+    };
+    let (middle, side) = (profile("10", "16"), profile("20", "6"));
+    assert!(middle[4] > 1e-3, "{middle:?}");
+    // The same sums in another order.
+    assert!(middle.iter().zip(&side).all(|(a, b)| (a - b).abs() < 1e-9 * middle[4]), "{middle:?} {side:?}");
 }
 
 /// Thermal noise is keyed by realization, so that no flow can be shared.
@@ -182,12 +208,22 @@ fn the_numbers_of_a_flow_are_told() {
 #[rstest]
 #[case::fast_lid(", sound_speed: 20 mm/s", "lid: { moving_wall: { in: y_max, velocity: [5 mm/s, 0] } }", &[
     "m.yaml:9:15", "the wall `y_max` moves at 5 mm/s, faster than the fluid.speed of 1 mm/s", "set fluid.speed: 5.000e-3 m/s",
-    "a Mach number of 0.25, above 0.2", "set fluid.sound_speed: 5.00e-2 m/s",
+    "a Mach number of 0.25, above 0.2", "set fluid.sound_speed: 2.45e-1 m/s",
 ])]
 #[case::fast_rotor("", "m: { moving_wall: { in: post, rotation: 1000 1/s, centre: [10 um, 10 um] } }", &[
     "the wall `post` moves at 4.", "faster than the fluid.speed",
 ])]
-#[case::fast_start(", velocity: [0, \"3 mm/s * sin(x / (1 um))\"]", "", &["the velocity at the start moves at"])]
+#[case::fast_start(", velocity: [0, \"3 mm/s * sin(x / (1 um))\"]", "", &["m.yaml:8:77", "the fluid at the start moves at"])]
+#[case::too_soft(", sound_speed: 20 mm/s", "", &[
+    // 12 mu U X/L² = 0.6 Pa over 1000 kg/m³ (20 mm/s)² = 0.4 Pa.
+    "m.yaml:8:80", "change the density by some 150 %, above 5 %", "set fluid.sound_speed: 2.45e-1 m/s",
+])]
+#[case::hard_driven("", "pull: { force: { acceleration: [1e5 m/s^2, 0] } }", &[
+    // g L²/(8 ν) = 5 m/s in the long run; 0.1 m/s in 1 us, of the 0.245 m/s chosen.
+    "m.yaml:9:15", "the force `pull` would drive the fluid at up to 100 mm/s in the time of the run", "0.41 of the sound speed", "set fluid.speed",
+])]
+#[case::hot_walls(", method: sdpd, temperature: 300 K", "b: { free_body: { in: post, density: 1 kg/L } }", &["m.yaml:8:8", "`post` moves", "comes out too hot"])]
+#[case::cold_walls(", temperature: 300 K", "", &["m.yaml:8:8", "comes out too cold", "set fluid.method: sdpd"])]
 #[case::belt_through_itself("", "m: { moving_wall: { in: post, velocity: [1 mm/s, 0] } }", &[
     "m.yaml:9:15", "the belt `post` moves through its own surface", "travels: true",
 ])]
@@ -202,6 +238,20 @@ fn what_does_not_go_with_its_speed_is_told(
     for word in words {
         assert!(said.contains(word), "`{word}` is missing:\n{said}");
     }
+}
+
+/// h U/nu = 300: friction holds a shift of 0.3.
+#[test]
+fn a_weak_shift_is_told() {
+    let bench = Bench::new();
+    let text = model(POST, "", "b: { free_body: { in: post, density: 1 kg/L } }")
+        .replace("viscosity: 1 mPa s, speed: 1 mm/s", "viscosity: 1 mPa s, speed: 100 m/s");
+    let path = bench.model("m.yaml", &text);
+    let said = String::from_utf8(gillesph(&["check", path.to_str().unwrap()]).stdout).unwrap();
+    assert!(
+        said.contains("m.yaml:8:8  particles are kept in order by a shift of 0.3 where 2 is usual"),
+        "{said}"
+    );
 }
 
 /// 400 particles of water in a periodic box, 3 realizations, 11 looks at each in the second half of the run, each 0.2 ns

@@ -68,6 +68,7 @@ fn channel(spacing: f64, walls: Slip, spin: f64) -> Flow<2> {
         sound_speed: None,
         pressure_scale: None,
         body_force: V::zeros(),
+        buoyancy: V::zeros(),
         sponges: vec![Sponge {
             region: Arc::new(|x: &V| x[0] <= 2e-6),
             rate: 1e9,

@@ -99,12 +99,18 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
 
     let plan = Plan::new(model, block.end - block.start)?;
     let ready = ready(&plan)?;
+    if !options.quiet {
+        for warning in &plan.warnings {
+            tell!("  warning: {}", warning.line());
+        }
+    }
     // From here on files are written, and Ctrl-C leaves a folder that can be resumed.
     let watch = Watch::on_terminal(options.quiet);
     let (dir, earlier, tells) = (dir.as_path(), &earlier, !options.quiet);
     let job = Job { dir, earlier, block, threads, tells, draws: true, begun };
     let Concluded { record, error, realizations, times } = carry_out(&plan, &ready, &job, &watch)?;
-    finish(&record, (realizations, times), error, dir, options)
+    let told: Vec<String> = plan.warnings.iter().map(Fault::line).collect();
+    finish(&record, (realizations, times), error, (dir, &told), options)
 }
 
 /// Where a model goes, and how much of it.
@@ -161,7 +167,7 @@ fn finish(
     record: &RunRecord,
     (realizations, times): (usize, usize),
     error: Option<RunError>,
-    dir: &Path,
+    (dir, told): (&Path, &[String]),
     options: &Options,
 ) -> Result<(), Stop> {
     if options.json {
@@ -188,7 +194,7 @@ fn finish(
         return Err(Stop::Interrupted);
     }
     if !options.quiet {
-        for warning in &record.health.warnings {
+        for warning in record.health.warnings.iter().filter(|warning| !told.contains(warning)) {
             tell!("  warning: {warning}");
         }
         if let Some(known) = record.precision.as_ref().filter(|known| known.reached) {

@@ -25,6 +25,9 @@ pub struct Voxels<'a, const D: usize> {
     pub obstacles: &'a [&'a (dyn Fn(&Vector<D>) -> f64 + Sync)],
 }
 
+/// Edges of a particle within which another takes the place of its image.
+const SAME: f64 = 0.75;
+
 /// A plane that no molecule crosses by diffusion. On a periodic axis it may stand at the wrap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
@@ -369,21 +372,31 @@ fn both_ways(n: usize, pairs: &[(u32, u32, f64)]) -> Links {
 }
 
 impl<const D: usize> Voxels<'_, D> {
-    /// Places of the first `n` particles and of the mirror images of hosts within `reach` of a side that is not
-    /// periodic, and the particle each stands for.
+    /// Places of the first `n` particles and of the mirror images of hosts inside the box within `reach` of a side that is
+    /// not periodic, and the particle each stands for. Where hosts go on beyond a side, as an elastic solid that is held
+    /// in the wall, they are there themselves.
     pub(super) fn with_images(&self, n: usize, reach: f64) -> (Vec<Vector<D>>, Vec<u32>) {
         let mut places = self.positions[..n].to_vec();
         let mut original: Vec<u32> = (0..n as u32).collect();
+        let beyond = |x: &Vector<D>, k: usize| x[k] < self.domain.min[k] || x[k] > self.domain.max[k];
         for k in (0..D).filter(|&k| !self.domain.periodic[k]) {
             let sides = [self.domain.min[k], self.domain.max[k]];
+            let outside = (0..n).filter(|&i| self.hosts[i] && beyond(&places[i], k));
+            let outside: Vec<Vector<D>> = outside.map(|i| places[i]).collect();
             // Images of images stand round the corners.
             for e in 0..places.len() {
+                let i = original[e] as usize;
+                if !self.hosts[i] || beyond(&places[e], k) {
+                    continue;
+                }
                 for side in sides {
-                    if self.hosts[original[e] as usize] && (places[e][k] - side).abs() < reach {
-                        let mut image = places[e];
-                        image[k] = 2.0 * side - image[k];
+                    let mut image = places[e];
+                    image[k] = 2.0 * side - image[k];
+                    let room = (SAME * self.volumes[i].powf(1.0 / D as f64)).powi(2);
+                    let taken = || outside.iter().any(|x| (x - image).norm_squared() < room);
+                    if (places[e][k] - side).abs() < reach && !taken() {
                         places.push(image);
-                        original.push(original[e]);
+                        original.push(i as u32);
                     }
                 }
             }
@@ -461,6 +474,33 @@ mod tests {
                 assert_eq!(links.row(j).find(|&(k, _)| k == i), Some((i, g)));
             }
         }
+    }
+
+    /// A bar that goes on beyond a side of the box, as one that is held in a wall: next to the side each voxel exchanges
+    /// with its neighbours as in the middle. A bar that ends there has their images instead.
+    #[test]
+    fn what_goes_on_beyond_a_side_has_no_images_there() {
+        let domain = Domain { min: Vector::zeros(), max: Vector::<1>::new(12.0), periodic: [false] };
+        let rows = |first: i32| {
+            let positions: Vec<Vector<1>> =
+                (first..12).map(|k| Vector::<1>::new(f64::from(k) + 0.5)).collect();
+            let (volumes, hosts) = (vec![1.0; positions.len()], vec![true; positions.len()]);
+            let voxels = Voxels {
+                positions: &positions,
+                volumes: &volumes,
+                hosts: &hosts,
+                domain: &domain,
+                barriers: &[],
+                obstacles: &[],
+            };
+            let links = links(&voxels, &Kernel::new(KernelKind::Lucy, 3.0), Weights::Normalised, 1.0);
+            let row = |x: i32| links.row((x - first) as usize).map(|(_, g)| g).collect::<Vec<f64>>();
+            (row(0), row(5))
+        };
+        let (beside, middle) = rows(-6);
+        assert_eq!(beside.len(), middle.len());
+        assert!(beside.iter().zip(&middle).all(|(a, b)| (a - b).abs() < 1e-12), "{beside:?} {middle:?}");
+        assert_eq!(rows(0).0.len(), 2);
     }
 
     #[test]

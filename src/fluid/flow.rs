@@ -65,6 +65,8 @@ pub(super) struct Scales<const D: usize> {
     pub skin: f64,
     pub gravity: Vector<D>,
     pub reference_speed: f64,
+    /// That of [`Setup::automatic_sound_speed`], m/s.
+    pub expected_sound_speed: f64,
     pub courant: f64,
     pub shift: f64,
     pub surface_fraction: f64,
@@ -154,6 +156,7 @@ impl<const D: usize> Flow<D> {
                 depth: cover.depth,
                 curvature: cover.curvature,
                 fraction: if fluid { 0.0 } else { 1.0 },
+                filling: 0.0,
             });
         }
         let n = positions.len();
@@ -176,6 +179,7 @@ impl<const D: usize> Flow<D> {
                 skin: options.skin * h,
                 gravity: setup.body_force,
                 reference_speed: setup.reference_speed,
+                expected_sound_speed: setup.automatic_sound_speed(),
                 courant,
                 shift,
                 surface_fraction: options.surface_fraction,
@@ -225,6 +229,7 @@ impl<const D: usize> Flow<D> {
             flow.terms.density_diffusion = Some(DensityDiffusion::new(delta, h, c, u));
         }
         flow.densities_at_ends();
+        flow.note_fillings();
         flow.mirrors();
         flow.forces(0.0);
         flow.finish(0.0);

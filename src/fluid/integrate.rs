@@ -9,12 +9,12 @@ use crate::error::RunError;
 use crate::fluid::blocks::{Block, build_blocks};
 use crate::fluid::carried;
 use crate::fluid::flow::Flow;
-use crate::fluid::mirror::{Continuation, Moving, mirror};
+use crate::fluid::mirror::{Continuation, Moving, filling, mirror};
 use crate::fluid::motion::Motion;
 use crate::fluid::order::along_a_curve;
 use crate::fluid::particles::{Side, Slopes};
 use crate::fluid::pass::{Rates, sweep_reactions};
-use crate::fluid::setup::{BodyKind, Slip};
+use crate::fluid::setup::{Body, BodyKind, Slip};
 use crate::fluid::sponge::Relaxation;
 use crate::fluid::terms::continuity::{contraction, gradient};
 use crate::fluid::terms::{Moment, TransportStress, viscosity};
@@ -381,7 +381,7 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    /// Mean of rho/rho0 - 1 over the mass of the fluid less what elastic bodies press it by as they swell, on the steps that
+    /// Mean of rho/rho0 - 1 over the mass of the fluid less what bodies press it by as they swell, on the steps that
     /// take it out; else zero.
     fn density_drift(&self) -> f64 {
         let every = self.setup.drift_correction;
@@ -395,12 +395,47 @@ impl<const D: usize> Flow<D> {
             volume += own.mass / own.rest_density;
         }
         let swelling: f64 = self.elastic_bodies().map(|(_, coupled)| coupled.swelling()).sum();
+        let swelling = swelling + self.growth_of_walls();
         if mass > 0.0 { sum / mass - swelling / volume } else { 0.0 }
+    }
+
+    /// Volume that walls which deform have gained, m^D.
+    fn growth_of_walls(&self) -> f64 {
+        let deforms =
+            |body: &Body<D>| matches!(&body.kind, BodyKind::Solid { motion: Motion::Deforming(_), .. });
+        if !self.bodies.iter().any(deforms) {
+            return 0.0;
+        }
+        let all = self.sides.iter().zip(&self.own);
+        let own = all.filter(|(side, _)| deforms(&self.bodies[usize::from(side.body)]));
+        own.map(|(side, own)| side.volume - own.rest_volume()).sum()
     }
 
     /// Whether solids continue the velocity of the fluid by a parabola.
     fn continues_by_parabola(&self) -> bool {
         self.terms.moment.is_some() && self.terms.noise.is_none()
+    }
+
+    /// Whether solids answer by the pressure of a density of their own: with noise, where none of them moves. (Of those that do,
+    /// one takes the place of fluid in reach of another.)
+    fn has_densities_of_walls(&self) -> bool {
+        let moves = |body: &Body<D>| matches!(&body.kind, BodyKind::Solid { motion, .. } if motion.moves());
+        self.terms.noise.is_some() && !self.bodies.iter().any(moves)
+    }
+
+    /// Notes how much fluid solid particles have in reach, at the start.
+    pub(super) fn note_fillings(&mut self) {
+        if !self.has_densities_of_walls() {
+            return;
+        }
+        for block in &self.blocks {
+            for row in 0..block.near_solid.len() {
+                let i = block.first + row;
+                if self.sides[i].is_solid() {
+                    self.own[i].filling = filling(block, row, &self.sides);
+                }
+            }
+        }
     }
 
     /// What solids show to the fluid from here to the end of the step.
@@ -409,6 +444,8 @@ impl<const D: usize> Flow<D> {
         let (own, gravity, numbers) = (&self.own, self.setup.gravity, &self.rows);
         // Noise between fluid and solids is that of the mean.
         let parabola = self.continues_by_parabola();
+        let dense = self.has_densities_of_walls();
+        let (state, c) = (self.setup.state, self.sound_speed);
         if self.solids.is_empty() {
             return;
         }
@@ -445,11 +482,15 @@ impl<const D: usize> Flow<D> {
                                 mirror(block, row, (sides, own), &wall)
                             }
                         };
+                        if dense {
+                            let (own, now) = (&own[i], filling(block, row, sides));
+                            let density = own.rest_density + now - own.filling;
+                            out.pressure = state.pressure(density, own.rest_density, c);
+                        }
                     }
                 }
             },
         );
-        let (state, c) = (self.setup.state, self.sound_speed);
         for &i in &self.solids {
             let (side, shown) = (&mut self.sides[i as usize], &self.mirrors[i as usize]);
             side.velocity = shown.velocity;

@@ -112,6 +112,17 @@ pub fn mirror<const D: usize, F: Fn(&Vector<D>) -> Vector<D>>(
     Mirror { velocity, pressure }
 }
 
+/// Σ m_f W over the fluid in reach of solid particle `row` of a block, kg/m³.
+///
+/// With noise walls at rest answer by the pressure of their own density, rho0 and what this sum has grown by since the
+/// start: its work on the fluid is then a change of energy, as between fluid particles (Español & Revenga 2003), and the bath
+/// keeps its temperature. The mean pressure of the fluid in reach is no such density: it heats the bath.
+#[must_use]
+pub fn filling<const D: usize>(block: &Block<D>, row: usize, sides: &[Side<D>]) -> f64 {
+    let mass = |j: u32| sides[j as usize].volume * sides[j as usize].density;
+    block.row(row).map(|c| mass(c.j) * c.weight).sum()
+}
+
 impl<const D: usize> Flow<D> {
     /// ∇²v (1/(m s)) of the fluid particles of a block near solids, as their friction sums it, into `own`.
     pub(super) fn bend(block: &Block<D>, own: &mut [Own<D>], terms: &Terms<D>, sides: &[Side<D>]) {

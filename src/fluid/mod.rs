@@ -70,7 +70,7 @@ pub use image::Image;
 pub use interpolate::Interpolator;
 pub use limit::StepLimit;
 pub use motion::Motion;
-pub use observe::{FlowHealth, Snapshot};
+pub use observe::{FlowHealth, LARGEST_DENSITY_CHANGE, LARGEST_MACH, Snapshot};
 pub use open::{End, Open};
 pub use rigid::Free;
 pub use setup::{

@@ -45,7 +45,7 @@ pub struct Side<const D: usize> {
     pub held: bool,
     /// Pa.
     pub pressure: f64,
-    /// Dynamic viscosity, Pa s; of a solid without meaning.
+    /// Dynamic viscosity, Pa s; of a solid that of as much of the lightest fluid.
     pub viscosity: f64,
     /// What friction makes of the second moment of the neighbours, [`crate::fluid::terms::Moment`].
     pub moment: Symmetric<D>,
@@ -94,7 +94,7 @@ impl<const D: usize> Default for Slopes<D> {
 /// What a particle keeps to itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Own<const D: usize> {
-    /// Mass per unit thickness, kg/m^(3-D); of a solid without meaning.
+    /// Mass per unit thickness, kg/m^(3-D); of a solid that of as much of the lightest fluid.
     pub mass: f64,
     /// Density at zero pressure, kg/m³; of a solid that of the lightest fluid.
     pub rest_density: f64,
@@ -112,4 +112,14 @@ pub struct Own<const D: usize> {
     pub curvature: f64,
     /// Volume fraction of solid around the particle.
     pub fraction: f64,
+    /// Of a solid particle Σ m_f W of the fluid in reach at the start, kg/m³; [`crate::fluid::mirror::filling`].
+    pub filling: f64,
+}
+
+impl<const D: usize> Own<D> {
+    /// Volume at the start (of a fluid particle at rest density), m^D.
+    #[must_use]
+    pub fn rest_volume(&self) -> f64 {
+        self.mass / self.rest_density
+    }
 }

@@ -34,6 +34,8 @@ pub struct Setup<const D: usize> {
     pub pressure_scale: Option<f64>,
     /// Acceleration of the fluid, m/s².
     pub body_force: Vector<D>,
+    /// The largest size of what buoyancy may add to it along each axis, m/s²; for the sound speed.
+    pub buoyancy: Vector<D>,
     pub sponges: Vec<Sponge<D>>,
     /// Of all fluid, m/s.
     pub initial_velocity: Vector<D>,
@@ -60,6 +62,7 @@ impl<const D: usize> Default for Setup<D> {
             sound_speed: None,
             pressure_scale: None,
             body_force: Vector::zeros(),
+            buoyancy: Vector::zeros(),
             sponges: Vec::new(),
             initial_velocity: Vector::zeros(),
             method: Method::default(),
@@ -259,7 +262,7 @@ impl<const D: usize> Setup<D> {
     }
 
     /// Strength A of the shift: 2, but at most 90 ν/(h U) where something else than solids that move as told disturbs the
-    /// particles, as ends that are `open`; none where particles move
+    /// particles, as ends that are `open`, and where there are no walls; none where particles move
     /// with their momentum.
     #[must_use]
     pub fn shift(&self, open: bool) -> f64 {
@@ -296,22 +299,30 @@ impl<const D: usize> Setup<D> {
         self.pressure_scale.unwrap_or(12.0 * mu * self.reference_speed * longest / (length * length))
     }
 
-    /// The sound speed that keeps the density within about 1 %, m/s:
-    /// c0² = max((10 U)², 100 p/rho0, 100 |g| H) with p of [`Setup::expected_pressure`] and H the extent of
-    /// the box along g where walls bear the weight (on periodic axes the fluid falls freely and none is needed).
+    /// The sound speed at which pressures change the density by 1 %, m/s: c0² = 100 max(p/rho0, |g| H) with p of
+    /// [`Setup::expected_pressure`], or `prescribed` (Pa) if that is more, and H the extent of the box along g, buoyancy
+    /// included, where walls bear the weight (on periodic axes the fluid falls freely and none is needed).
+    #[must_use]
+    pub fn pressed_sound_speed(&self, prescribed: f64) -> f64 {
+        let (rho, _) = self.lightest_and_stickiest();
+        let lengths = self.domain.lengths();
+        let heavy = |k: usize| (self.body_force[k].abs() + self.buoyancy[k]) * lengths[k];
+        let weight: f64 = (0..D).filter(|&k| !self.domain.periodic[k]).map(heavy).sum();
+        (100.0 * self.expected_pressure().max(prescribed) / rho).max(100.0 * weight).sqrt()
+    }
+
+    /// The sound speed that keeps the density within about 1 %, m/s: the larger of 10 U and
+    /// [`Setup::pressed_sound_speed`].
     /// With noise it is at least 150 times the thermal speed of a particle, so that densities stray by 0.7 %, in the
     /// worst of very many by 4: with 70 times SDPD of 10 nm particles blew up.
     /// A flow raises it up to threefold as long as friction, not sound, limits its step.
     #[must_use]
     pub fn automatic_sound_speed(&self) -> f64 {
         let (rho, _) = self.lightest_and_stickiest();
-        let lengths = self.domain.lengths();
-        let weight: f64 =
-            (0..D).filter(|&k| !self.domain.periodic[k]).map(|k| self.body_force[k].abs() * lengths[k]).sum();
         let kinetic = (10.0 * self.reference_speed).powi(2);
         let thermal = self.noise.map_or(0.0, |noise| noise.energy / (rho * self.spacing.powi(D as i32)));
         let loudest = (150.0_f64).powi(2) * thermal;
-        kinetic.max(100.0 * self.expected_pressure() / rho).max(100.0 * weight).max(loudest).sqrt()
+        kinetic.max(loudest).sqrt().max(self.pressed_sound_speed(0.0))
     }
 
     /// Refuses a setup that cannot run.
@@ -412,5 +423,30 @@ fn refuse(particle: usize, quantity: &str, value: f64, remedy: &str) -> RunError
         quantity: quantity.to_owned(),
         value,
         remedy: remedy.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Friction, weight and buoyancy each change the density by 1 % at the sound speed that is chosen for them.
+    #[test]
+    fn the_sound_speed_bears_friction_weight_and_buoyancy() {
+        let water =
+            |density| Body { name: "water".into(), kind: BodyKind::Fluid { density, viscosity: 0.1 } };
+        let setup = Setup::<2> {
+            domain: Domain { min: Vector::zeros(), max: Vector::<2>::new(4.0, 1.0), periodic: [true, false] },
+            bodies: vec![water(2.0)],
+            reference_speed: 0.5,
+            reference_length: 1.0,
+            ..Setup::default()
+        };
+        // 12 mu U X/L² = 2.4 Pa: c0² = 100 p/rho; 10 U is less.
+        assert!((setup.automatic_sound_speed() - 120.0_f64.sqrt()).abs() < 1e-12);
+        // Along the periodic axis nothing bears the weight.
+        let (pull, lift) = (Vector::<2>::new(7.0, -1.5), Vector::<2>::new(9.0, 2.5));
+        let heavy = Setup { body_force: pull, buoyancy: lift, ..setup };
+        assert!((heavy.automatic_sound_speed() - 400.0_f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::fluid::blocks::Block;
 use crate::fluid::motion::Motion;
-use crate::fluid::particles::{Own, Side};
+use crate::fluid::particles::{Material, Own, Side};
 use crate::fluid::setup::{Body, BodyKind};
 use crate::space::domain::Domain;
 use crate::vector::Vector;
@@ -67,10 +67,10 @@ impl<const D: usize> Obstacles<'_, D> {
     /// a_w as means over the solid neighbours, weighted by V F (SPH-BVF takes W; F weighs the nearest more), the transport velocity becomes
     /// u' = 2 v_w + dt a_w - u + 2 max(0, (u - v_w)·e) e and the particle moves by dt (u' - u).
     /// The means are normalised by the solid sum; e points down the gradient of the fraction (Eq. (47) prints
-    /// the other sign).
+    /// the other sign). Along walls that are free slip what slides is not turned round: u' = u - 2 min(0, (u - v_w)·e) e.
     fn reflect(&self, block: &Block<D>, row: usize, here: &Vector<D>, sides: &[Side<D>]) -> Vector<D> {
         let side = &sides[block.first + row];
-        let (mut all, mut normal) = (0.0, Vector::zeros());
+        let (mut all, mut slippery, mut normal) = (0.0, 0.0, Vector::zeros());
         let (mut wall, mut wall_acceleration) = (Vector::zeros(), Vector::zeros());
         for c in block.row(row) {
             let s = &sides[c.j as usize];
@@ -87,6 +87,7 @@ impl<const D: usize> Obstacles<'_, D> {
                     }
                 };
                 all += share;
+                slippery += if s.material == Material::FreeSlip { share } else { 0.0 };
                 normal += c.x * share;
                 wall += velocity * share;
                 wall_acceleration += acceleration * share;
@@ -98,7 +99,12 @@ impl<const D: usize> Obstacles<'_, D> {
         }
         let (e, wall, wall_acceleration) = (normal / length, wall / all, wall_acceleration / all);
         let u = side.velocity + side.drift;
-        let after = wall * 2.0 + wall_acceleration * self.dt - u + e * (2.0 * (u - wall).dot(&e).max(0.0));
+        let along = (u - wall).dot(&e);
+        let after = if slippery > 0.5 * all {
+            u + e * (wall_acceleration.dot(&e) * self.dt - 2.0 * along.min(0.0))
+        } else {
+            wall * 2.0 + wall_acceleration * self.dt - u + e * (2.0 * along.max(0.0))
+        };
         (after - u) * self.dt
     }
 
@@ -242,6 +248,10 @@ pub fn carry<const D: usize>(
         if motion.moves() {
             side.velocity = motion.velocity(&motion.position(&own.start, middle), middle);
             *position = motion.position(&own.start, t);
+            if let Motion::Deforming(deformation) = motion {
+                side.volume = own.rest_volume() * deformation.growth(&own.start, t);
+                side.invert();
+            }
         } else {
             side.velocity = motion.velocity(position, middle);
         }
@@ -298,12 +308,49 @@ mod tests {
         assert_eq!(beyond, V::new(7.0, 4.75));
     }
 
+    /// A particle that slides down on a floor: a sticky one sends it back where it came from, a slippery one lets it slide on.
+    #[test]
+    fn a_bounce_turns_sliding_round_only_where_fluid_sticks() {
+        use crate::fluid::blocks::build_blocks;
+        use crate::fluid::terms::tests::side;
+        use crate::fluid::{Kernel, KernelKind};
+        let domain = Domain { min: V::repeat(-20.0), max: V::repeat(20.0), periodic: [false; 2] };
+        let mut positions: Vec<V> =
+            (0..27).map(|k| V::new(f64::from(k % 9) - 4.0, -0.5 - f64::from(k / 9))).collect();
+        positions.push(V::new(0.0, 0.2));
+        for (slip, material, along) in
+            [(Slip::NoSlip, Material::NoSlip, -1.0), (Slip::FreeSlip, Material::FreeSlip, 1.0)]
+        {
+            let kind = BodyKind::Solid { slip, motion: Motion::Still, surface: None };
+            let bodies = [Body { name: "floor".to_owned(), kind }];
+            let mut sides: Vec<Side<2>> =
+                (0..28).map(|id| Side { material, body: 0, id, ..side(1.0, 0.0) }).collect();
+            sides[27] = Side { material: Material::Fluid, velocity: V::new(1.0, -0.5), ..sides[27] };
+            let rows: Vec<u32> = (0..28).collect();
+            let mut blocks = Vec::new();
+            build_blocks(&mut blocks, &positions, &sides, &domain, 3.0, true);
+            blocks[0].find(
+                &Kernel::new(KernelKind::Lucy, 3.0),
+                None,
+                &domain.shortest(),
+                (&positions, &sides),
+            );
+            let (time, dt, surface_fraction, spacing) = (0.0, 0.1, 0.0, 1.0);
+            let (rows, domain) = (rows.as_slice(), &domain);
+            let bodies = &bodies;
+            let closed = [false; 2];
+            let obstacles = Obstacles { bodies, rows, domain, time, dt, surface_fraction, spacing, closed };
+            let moved = obstacles.bounce(&blocks[0], 27, 0.5, &positions, &sides).correction / dt;
+            let after = V::new(1.0, -0.5) + moved;
+            assert!((after - V::new(along, 0.5)).norm() < 1e-12, "{after}");
+        }
+    }
+
     /// A block turned by a radian and stretched by 1.3: what is inside it is found in its undeformed frame and mirrored at
     /// its nearest face, what is outside stays.
     #[test]
     fn a_place_inside_a_bent_solid_is_mirrored_out() {
         use crate::fluid::blocks::build_blocks;
-        use crate::fluid::particles::Material;
         use crate::fluid::terms::tests::side;
         use crate::fluid::{Coupled, Kernel, KernelKind};
         use crate::solid::{self, Elastic, Hold, Law};

@@ -133,6 +133,7 @@ mod tests {
             sound_speed: Some(10.0),
             pressure_scale: None,
             body_force: Vector::zeros(),
+            buoyancy: Vector::zeros(),
             sponges: Vec::new(),
             initial_velocity: Vector::zeros(),
             method: Default::default(),

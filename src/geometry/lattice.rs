@@ -54,7 +54,18 @@ pub fn fill<const D: usize>(
             let grid = Grid { min: Vector::from_fn(|k, _| low[k]), edge, cells };
             square(region, (min, max), &grid, random)
         }
-        Lattice::Rings => rings(region.shape, region.spacing),
+        Lattice::Rings => {
+            let mut found = rings(region.shape, region.spacing);
+            if let Shape::Union(_) = region.shape {
+                // It goes on beyond a periodic side: what lies there is at the side across.
+                for (x, _) in &mut found {
+                    for k in 0..D {
+                        x[k] = min[k] + (x[k] - min[k]).rem_euclid(max[k] - min[k]);
+                    }
+                }
+            }
+            found
+        }
     }
 }
 
@@ -111,6 +122,11 @@ fn square<const D: usize>(
 }
 
 fn rings<const D: usize>(shape: &Shape, spacing: f64) -> Vec<(Vector<D>, f64)> {
+    let shape = match shape {
+        // The first is the one described, the others are its images.
+        Shape::Union(parts) => &parts[0],
+        shape => shape,
+    };
     let (centre, inner, outer) = match shape {
         Shape::Ball { centre, radius } => (centre, 0.0, *radius),
         Shape::Shell { centre, inner, outer } => (centre, *inner, *outer),

@@ -1,5 +1,6 @@
 //! Regions of space as signed distances.
 
+use crate::quantity::readable::significant;
 use crate::vector::Vector;
 
 /// A closed region. Places have three coordinates; in fewer dimensions the others are zero and
@@ -95,6 +96,47 @@ impl Shape {
         (low.sup(min), high.inf(max))
     }
 
+    /// From where to where the region reaches along an axis, m; infinite where it has no end, or none is known.
+    #[must_use]
+    pub fn reach(&self, axis: usize) -> (f64, f64) {
+        match self {
+            Shape::EverythingElse | Shape::HalfSpace { .. } => (f64::NEG_INFINITY, f64::INFINITY),
+            Shape::Box { min, max } => (min[axis], max[axis]),
+            Shape::Ball { centre, radius: reach } | Shape::Shell { centre, outer: reach, .. } => {
+                (centre[axis] - reach, centre[axis] + reach)
+            }
+            Shape::Union(parts) => parts
+                .iter()
+                .map(|part| part.reach(axis))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1))),
+            Shape::Difference(whole, _) => whole.reach(axis),
+        }
+    }
+
+    /// The same region elsewhere, `by` (m) further along an axis.
+    #[must_use]
+    pub fn shifted(&self, axis: usize, by: f64) -> Shape {
+        let moved = |x: &Vector<3>| {
+            let mut x = *x;
+            x[axis] += by;
+            x
+        };
+        let all = |parts: &[Shape]| parts.iter().map(|part| part.shifted(axis, by)).collect();
+        match self {
+            Shape::EverythingElse => Shape::EverythingElse,
+            Shape::Box { min, max } => Shape::Box { min: moved(min), max: moved(max) },
+            Shape::Ball { centre, radius } => Shape::Ball { centre: moved(centre), radius: *radius },
+            Shape::Shell { centre, inner, outer } => {
+                Shape::Shell { centre: moved(centre), inner: *inner, outer: *outer }
+            }
+            Shape::HalfSpace { point, normal } => Shape::HalfSpace { point: moved(point), normal: *normal },
+            Shape::Union(parts) => Shape::Union(all(parts)),
+            Shape::Difference(whole, holes) => {
+                Shape::Difference(std::boxed::Box::new(whole.shifted(axis, by)), all(holes))
+            }
+        }
+    }
+
     /// Closed polygons that draw the region in the x-y plane, m.
     #[must_use]
     pub fn outlines(&self, min: &Vector<3>, max: &Vector<3>) -> Vec<Vec<[f64; 2]>> {
@@ -149,7 +191,7 @@ impl Shape {
                 format!("{shell}, centre {} µm, radii {} to {} µm", place(centre), um(*inner), um(*outer))
             }
             Shape::HalfSpace { point, normal } => {
-                let n: Vec<String> = (0..dimensions).map(|k| format!("{}", normal[k])).collect();
+                let n: Vec<String> = (0..dimensions).map(|k| significant(normal[k], 6)).collect();
                 format!("half-space from {} µm towards ({})", place(point), n.join(", "))
             }
             Shape::Union(parts) => {
@@ -192,5 +234,7 @@ mod tests {
         assert!(moon.holds(&at(-0.5, 0.0)) && !moon.holds(&at(0.5, 0.0)));
         let two = Shape::Union(vec![disc(0.0), disc(3.0)]);
         assert!(two.holds(&at(3.5, 0.0)) && !two.holds(&at(1.5, 0.0)));
+        assert_eq!((two.reach(0), two.reach(1)), ((-1.0, 4.0), (-1.0, 1.0)));
+        assert!(moon.shifted(1, 2.0).holds(&at(-0.5, 2.0)) && !moon.shifted(1, 2.0).holds(&at(0.5, 2.0)));
     }
 }

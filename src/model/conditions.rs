@@ -246,8 +246,8 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, network: &Network, faults: 
         None => None,
     };
     let centre = match fields.optional("centre") {
-        Some(n) => pad(&n.vector(Dimension::LENGTH, d, faults)?),
-        None => Vector::zeros(),
+        Some(n) => Some(pad(&n.vector(Dimension::LENGTH, d, faults)?)),
+        None => None,
     };
     let axis = match fields.optional("axis") {
         Some(n) if d != 3 => {
@@ -282,7 +282,17 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, network: &Network, faults: 
         (Some(velocity), None, None) if travels => WallMotion::Travel(velocity),
         (Some(velocity), None, None) => WallMotion::Belt(velocity),
         (Some(velocity), Some(frequency), None) => WallMotion::Oscillate { velocity, frequency },
-        (None, None, Some(rate)) => WallMotion::Rotate { centre, rate, axis: axis.normalize() },
+        (None, None, Some(rate)) => {
+            let Some(centre) = centre.or_else(|| middle(wall, domain)) else {
+                faults.at(
+                    &node.place,
+                    "a rotation needs a centre: the shape of the wall has no middle",
+                    "for example { in: rotor, rotation: 10 1/s, centre: [0, 0] }",
+                );
+                return None;
+            };
+            WallMotion::Rotate { centre, rate, axis: axis.normalize() }
+        }
         _ => {
             faults.at(
                 &node.place,
@@ -310,6 +320,16 @@ fn moving_wall(node: &Node, domain: &ParticleDomain, network: &Network, faults: 
         }
     }
     Some(What::MovingWall { wall, motion })
+}
+
+/// The middle of the shape of a group, m, where that has one.
+fn middle(wall: WallName, domain: &ParticleDomain) -> Option<Vector<3>> {
+    let WallName::Group(g) = wall else { return None };
+    let reach = |k: usize| domain.groups[g].shape.reach(k);
+    let ends = (0..domain.dimensions).map(reach);
+    let middle =
+        Vector::from_fn(|k, _| if k < domain.dimensions { 0.5 * (reach(k).0 + reach(k).1) } else { 0.0 });
+    ends.into_iter().all(|(low, high)| low.is_finite() && high.is_finite()).then_some(middle)
 }
 
 /// A wall whose particles are displaced.

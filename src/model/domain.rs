@@ -7,6 +7,7 @@ use super::groups::{self, Group};
 use super::names::{axis_name, pad};
 use super::node::{Node, Value};
 use super::reader::{Faults, Fields};
+use super::seams;
 use super::solids::{self, Mechanics, SolidModel};
 use crate::chemistry::Network;
 use crate::fluid::Weights;
@@ -198,6 +199,13 @@ fn particles(
         weights: Weights::Normalised,
     });
     let groups = groups::read(sections, d, (&min, &max), spacing, network, faults);
+    let boundaries = boundaries.unwrap_or_else(|| vec![Boundary::NoSlip; d]);
+    let mut groups = groups?;
+    let walled = boundaries.iter().any(|b| !matches!(b, Boundary::Periodic));
+    if let Some(at) = sections.particles.filter(|_| fluid.is_some() && walled) {
+        groups::check_sides(&groups, spacing, (d, (&min, &max)), &at.place, faults);
+    }
+    seams::carry_on(&mut groups, &boundaries, (&min, &max), faults);
     let mut domain = ParticleDomain {
         dimensions: d,
         thickness: match thickness {
@@ -206,12 +214,12 @@ fn particles(
         },
         min,
         max,
-        boundaries: boundaries.unwrap_or_else(|| vec![Boundary::NoSlip; d]),
+        boundaries,
         spacing,
         kernel,
         support,
         weights,
-        groups: groups?,
+        groups,
         fluid,
         solids: Vec::new(),
         mechanics: Mechanics::default(),

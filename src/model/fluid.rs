@@ -46,6 +46,8 @@ pub struct FluidModel {
 pub struct FluidPlaces {
     pub speed: Place,
     pub sound_speed: Option<Place>,
+    /// Of the velocity at the start, else of the section.
+    pub velocity: Place,
 }
 
 /// Methods by name; `none` leaves the particles where they are.
@@ -103,6 +105,7 @@ pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults
     let length = optional(&mut fields, "length", Dimension::LENGTH);
     let pressure_scale = optional(&mut fields, "pressure_scale", Dimension::PRESSURE);
     let temperature = optional(&mut fields, "temperature", Dimension::TEMPERATURE);
+    let velocity_place = fields.optional("velocity").map(|n| n.place.clone());
     let velocity = match fields.optional("velocity") {
         Some(n) => velocity::read(n, d, network, faults),
         None => Some(Velocity::default()),
@@ -131,6 +134,7 @@ pub(super) fn read(node: &Node, d: usize, network: &Network, faults: &mut Faults
         places: FluidPlaces {
             speed: speed_place.unwrap_or_else(|| node.place.clone()),
             sound_speed: sound_speed_place,
+            velocity: velocity_place.unwrap_or_else(|| node.place.clone()),
         },
     })
 }

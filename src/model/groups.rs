@@ -2,7 +2,7 @@
 
 use super::domain::Sections;
 use super::names::{axis_name, group_index, species_named};
-use super::node::{Key, Node};
+use super::node::Node;
 use super::reader::{Faults, Fields};
 use super::shapes;
 use crate::chemistry::Network;
@@ -51,6 +51,8 @@ pub struct Group {
     /// The solid whose particles these are, of a surface.
     pub of: Option<usize>,
     pub place: Place,
+    /// An axis along which it goes on beyond a periodic side.
+    pub crosses: Option<usize>,
     /// Whether only its name is known.
     pub unread: bool,
 }
@@ -85,6 +87,7 @@ pub(super) fn read(
             holds: None,
             of: None,
             place: sections.domain.place.clone(),
+            crosses: None,
             unread: false,
         };
         check_fit(&medium, d, corners, faults);
@@ -103,7 +106,7 @@ pub(super) fn read(
         }
         // A group with a fault stays known by its name, so that its uses are not reported as well.
         let read = group(&key.name, &key.place, node, d, (spacing, &names, network), faults);
-        found.push(read.unwrap_or_else(|| unread(key, spacing)));
+        found.push(read.unwrap_or_else(|| Group::unread(&key.name, &key.place, spacing)));
     }
     if found.len() > 60 {
         faults.at(
@@ -139,41 +142,69 @@ pub(super) fn read(
     Some(found)
 }
 
-/// Stands for a group that could not be read.
-fn unread(key: &Key, spacing: f64) -> Group {
-    Group {
-        name: key.name.clone(),
-        material: Material::Zone,
-        shape: Shape::EverythingElse,
-        lattice: Lattice::Square,
-        spacing,
-        jitter: 0.0,
-        holds: None,
-        of: None,
-        place: key.place.clone(),
-        unread: true,
+impl Group {
+    /// Stands for a group of which only the name is known.
+    pub(super) fn unread(name: &str, place: &Place, spacing: f64) -> Group {
+        Group {
+            name: name.into(),
+            material: Material::Zone,
+            shape: Shape::EverythingElse,
+            lattice: Lattice::Square,
+            spacing,
+            jitter: 0.0,
+            holds: None,
+            of: None,
+            place: place.clone(),
+            crosses: None,
+            unread: true,
+        }
     }
 }
 
 /// A square lattice must fit the box in whole cells.
-fn check_fit(group: &Group, d: usize, (min, max): (&Vector<3>, &Vector<3>), faults: &mut Faults) {
+fn check_fit(group: &Group, d: usize, corners: (&Vector<3>, &Vector<3>), faults: &mut Faults) {
     // A solid has a lattice that fits its own shape.
     if matches!(group.material, Material::Zone | Material::Solid | Material::Surface)
         || group.lattice != Lattice::Square
     {
         return;
     }
+    whole_cells(&format!("group `{}`", group.name), group.spacing, (d, corners), &group.place, faults);
+}
+
+/// Walls round the box are laid out at the spacing of `particles`, whatever that of the groups is; `at` is where it is stated.
+pub(super) fn check_sides(
+    groups: &[Group],
+    spacing: f64,
+    (d, corners): (usize, (&Vector<3>, &Vector<3>)),
+    at: &Place,
+    faults: &mut Faults,
+) {
+    let same = |group: &Group| {
+        group.material.is_filled() && group.lattice == Lattice::Square && group.spacing == spacing
+    };
+    // What fits a group of this spacing fits the walls; what does not is told there.
+    if !groups.iter().any(same) {
+        whole_cells("the walls round the box", spacing, (d, corners), at, faults);
+    }
+}
+
+fn whole_cells(
+    what: &str,
+    spacing: f64,
+    (d, (min, max)): (usize, (&Vector<3>, &Vector<3>)),
+    at: &Place,
+    faults: &mut Faults,
+) {
     for k in 0..d {
-        let cells = (max[k] - min[k]) / group.spacing;
+        let cells = (max[k] - min[k]) / spacing;
         if (cells - cells.round()).abs() > 1e-6 * cells.max(1.0) || cells.round() < 1.0 {
             let whole = cells.round().max(1.0);
             faults.at(
-                &group.place,
+                at,
                 format!(
-                    "the spacing {} of group `{}` does not fit the box: {:.4} cells along {}",
-                    length(group.spacing),
-                    group.name,
-                    cells,
+                    "the spacing {} of {what} does not fit the box: {cells:.4} cells along {}",
+                    length(spacing),
                     axis_name(k)
                 ),
                 format!("{} would give {whole} whole cells", length((max[k] - min[k]) / whole)),
@@ -277,6 +308,7 @@ fn group(
         holds,
         of,
         place: place.clone(),
+        crosses: None,
         unread: false,
     })
 }

@@ -16,6 +16,7 @@ pub mod precision;
 pub mod probes;
 pub mod reactions;
 pub mod reader;
+mod seams;
 pub mod shapes;
 pub mod solids;
 pub mod sweep;

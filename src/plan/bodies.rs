@@ -12,8 +12,11 @@ use crate::quantity::readable::show_vector;
 use crate::vector::Vector;
 use std::sync::Arc;
 
-/// Step of the difference quotients in time of a displacement, in L/U.
-const INSTANT: f64 = 1e-3;
+/// Step of the difference quotients in time of a displacement, in h/U: of what swings with an amplitude of h/1000 at the
+/// speed U the acceleration is right to 3e-5, and of what is slow rounding leaves 1e-6.
+const INSTANT: f64 = 5e-5;
+/// Step of those in space, in spacings.
+const NEARBY: f64 = 1e-3;
 
 /// The motion of a wall as its conditions say.
 pub(super) fn motion<const D: usize>(domain: &ParticleDomain, wall: WallName) -> Motion<D> {
@@ -44,13 +47,11 @@ fn prescribed<const D: usize>(domain: &ParticleDomain, motion: &WallMotion) -> M
         }
         WallMotion::Deform(field) => {
             let field = field.clone();
-            let extents = (0..D).map(|k| domain.max[k] - domain.min[k]);
-            let (speed, length) =
-                domain.fluid.as_ref().map_or((1.0, None), |fluid| (fluid.speed, fluid.length));
-            let length = length.unwrap_or_else(|| extents.fold(f64::INFINITY, f64::min));
+            let speed = domain.fluid.as_ref().map_or(1.0, |fluid| fluid.speed);
             Motion::Deforming(Deformation {
                 displacement: Arc::new(move |x: &Vector<D>, t: f64| narrow(&field.at(&embed(x), t))),
-                instant: INSTANT * length / speed,
+                instant: INSTANT * domain.support * domain.spacing / speed,
+                nearby: NEARBY * domain.spacing,
             })
         }
     }
@@ -85,6 +86,18 @@ pub(super) fn check<const D: usize>(
             ));
         }
         let WallName::Group(g) = wall else { continue };
+        let slides = matches!(&condition.what, What::MovingWall { motion: WallMotion::Belt(_), .. });
+        if let Some(k) = domain.groups[g].crosses.filter(|_| !slides) {
+            faults.push(Fault::at(
+                &condition.place,
+                format!(
+                    "`{}` moves and reaches a periodic side along {} at the start",
+                    domain.groups[g].name,
+                    axis_name(k)
+                ),
+                "put it inside the box at the start; it may cross the side later",
+            ));
+        }
         let own = || plan.particles.iter().zip(&plan.home).filter(|(_, home)| usize::from(**home) == g);
         if matches!(condition.what, What::FreeBody { .. }) {
             at_a_side(domain, plan, (condition, g), own().map(|(placed, _)| placed.position), faults);

@@ -1,8 +1,9 @@
 //! The numbers of a flow: how fast and how wide it is, and what of it does not go with the speed that is stated.
 
 use super::ParticlePlan;
+use super::caution::stiff_enough;
 use crate::error::{Fault, Place};
-use crate::fluid::{Body, BodyKind, End, Motion};
+use crate::fluid::{Body, BodyKind, End, LARGEST_MACH, Motion};
 use crate::geometry::Shape;
 use crate::geometry::shape::embed;
 use crate::model::conditions::{Condition, WallMotion, WallName, What};
@@ -11,8 +12,6 @@ use crate::model::{Boundary, FluidModel, Model, ParticleDomain};
 use crate::quantity::readable::{show, show_vector};
 use crate::vector::Vector;
 
-/// Largest Mach number that a flow can be called incompressible with: the density changes by 4 %.
-const MACH: f64 = 0.2;
 /// Instants of a run, and particles before a body, at which speeds are looked up.
 const LOOKS: u32 = 64;
 const PARTICLES: usize = 2000;
@@ -66,11 +65,11 @@ fn movers<'a, const D: usize>(
     domain: &'a ParticleDomain,
     plan: &ParticlePlan<D>,
 ) -> Vec<Mover<'a>> {
-    let Some(setup) = &plan.flow else { return Vec::new() };
+    let (Some(setup), Some(fluid)) = (&plan.flow, &domain.fluid) else { return Vec::new() };
     let mut found = Vec::new();
     let start = setup.particles.iter().filter(|placed| placed.body == 0);
     let start = start.map(|placed| plan.velocity.at(&embed(&placed.position)).norm()).fold(0.0, f64::max);
-    found.push(Mover { speed: start, what: "the velocity at the start".into(), place: &model.places.fluid });
+    found.push(Mover { speed: start, what: "the fluid at the start".into(), place: &fluid.places.velocity });
     let times = || (0..=LOOKS).map(|k| model.run.until * f64::from(k) / f64::from(LOOKS));
     for condition in &domain.conditions {
         let (speed, what) = match &condition.what {
@@ -163,21 +162,25 @@ pub fn warnings<const D: usize>(
             format!("set fluid.speed: {:.3e} m/s", fastest.speed),
         ));
     }
+    let enough =
+        plan.flow.as_ref().map_or(10.0 * fastest.speed, |setup| stiff_enough(plan, setup, fastest.speed));
     if let (Some(c), Some(place)) = (fluid.sound_speed, &fluid.places.sound_speed)
-        && fastest.speed > MACH * c
+        && fastest.speed > LARGEST_MACH * c
     {
         found.push(Fault::at(
             place,
             format!(
-                "a Mach number of {:.2}, above {MACH}: {} moves at {} with a sound speed of {}",
+                "a Mach number of {:.2}, above {LARGEST_MACH}: {} {} {} with a sound speed of {}",
                 fastest.speed / c,
                 fastest.what,
+                if fastest.what == "fluid.speed" { "is" } else { "moves at" },
                 show(fastest.speed, "m/s"),
                 show(c, "m/s")
             ),
-            format!("set fluid.sound_speed: {:.2e} m/s, or auto", 10.0 * fastest.speed),
+            format!("set fluid.sound_speed: {enough:.2e} m/s, or auto"),
         ));
     }
+    found.extend(super::caution::warnings(model, domain, plan, fastest.speed));
     belts(domain, plan, &mut found);
     found
 }

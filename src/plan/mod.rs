@@ -1,6 +1,7 @@
 //! A checked model compiled into what the stepping needs: reactor, particles, bodies, columns to observe.
 
 mod bodies;
+mod caution;
 pub mod chemistry;
 pub mod flow;
 mod lift;

@@ -233,6 +233,13 @@ impl<const D: usize> ParticlePlan<D> {
         plan.check_zones(domain, faults);
         plan.read_conditions(domain);
         if let Some(fluid) = &domain.fluid {
+            if !plan.particles.iter().any(|placed| placed.body == 0) && faults.is_empty() {
+                faults.push(Fault::at(
+                    &model.places.fluid,
+                    "no particle is fluid: all groups are walls or solids",
+                    "add a group that flows, e.g. water: { material: fluid, shape: everything_else }",
+                ));
+            }
             plan.add_side_walls(domain, &mut bodies);
             let openings = super::openings::add(&mut plan, domain, &mut bodies);
             let mut setup = plan.setup(model, domain, fluid, bodies);
@@ -402,6 +409,7 @@ impl<const D: usize> ParticlePlan<D> {
             sound_speed: fluid.sound_speed,
             pressure_scale: fluid.pressure_scale,
             body_force,
+            buoyancy: super::lift::strongest(model, domain, &self.particles),
             sponges,
             initial_velocity: fluid.velocity.uniform().map_or_else(Vector::zeros, |v| narrow::<D>(&v)),
             method: fluid.method,

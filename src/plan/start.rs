@@ -1,11 +1,12 @@
 //! The amounts at the start, from what the user stated and the volumes there are.
 
-use super::{Arena, Plan};
+use super::{Arena, ParticlePlan, Plan};
 use crate::chemistry::AVOGADRO;
 use crate::chemistry::deal::apportion;
 use crate::chemistry::reactor::MOST_MOLECULES;
 use crate::chemistry::sampling_numbers::poisson;
 use crate::error::{Fault, ModelError, Place};
+use crate::geometry::shape::embed;
 use crate::model::conditions::What;
 use crate::model::{Amount, Deal, Domain, Initial, Material};
 use crate::quantity::readable::show_vector;
@@ -206,6 +207,11 @@ pub fn check_amounts(plan: &Plan, voxels: &Voxels) -> Result<(), ModelError> {
     }
     if let Domain::Particles(domain) = &plan.model.domain {
         for condition in &domain.conditions {
+            if let What::Open { species, .. } = &condition.what {
+                faults.extend(
+                    species.iter().filter_map(|(s, amount)| entering(plan, *s, amount, &condition.place)),
+                );
+            }
             let (What::Sponge { group, species, .. } | What::Held { group, species, .. }) = &condition.what
             else {
                 continue;
@@ -227,26 +233,11 @@ fn bad_amount(
     amount: &Amount,
     place: &Place,
 ) -> Option<Fault> {
-    let name = &plan.reactor.species[species];
-    if let Amount::Field(program) = amount {
-        let values: Vec<f64> =
-            members.iter().map(|&i| program.eval(voxels.positions[i].as_slice())).collect();
-        let largest = values.iter().fold(0.0_f64, |largest, v| largest.max(v.abs()));
-        // A sum that should vanish may fall short of zero by rounding.
-        let wrong = values.iter().position(|v| !(*v >= -1e-12 * largest && v.is_finite()));
-        if let Some(k) = wrong {
-            let x = voxels.positions[members[k]];
-            return Some(Fault::at(
-                place,
-                format!(
-                    "the concentration of `{name}` is {:.4e} mol/m^3 at {}",
-                    values[k],
-                    show_vector(x.as_slice(), "m")
-                ),
-                "a concentration is a finite number, zero or more; max(0, ...) cuts off what lies below",
-            ));
-        }
+    if let Some(fault) = bad_field(plan, members.iter().map(|&i| voxels.positions[i]), species, amount, place)
+    {
+        return Some(fault);
     }
+    let name = &plan.reactor.species[species];
     let total: f64 =
         means(plan, voxels, members, species, amount, Deal::Poisson).iter().map(|(_, n)| n).sum();
     if plan.reactor.discrete[species] && total > MOST_MOLECULES {
@@ -257,6 +248,48 @@ fn bad_amount(
         ));
     }
     None
+}
+
+/// A field that is negative or undefined at one of the places (m).
+fn bad_field(
+    plan: &Plan,
+    places: impl Iterator<Item = Vector<3>>,
+    species: usize,
+    amount: &Amount,
+    place: &Place,
+) -> Option<Fault> {
+    let Amount::Field(program) = amount else { return None };
+    let values: Vec<(f64, Vector<3>)> = places.map(|x| (program.eval(x.as_slice()), x)).collect();
+    let largest = values.iter().fold(0.0_f64, |largest, (v, _)| largest.max(v.abs()));
+    // A sum that should vanish may fall short of zero by rounding.
+    let (value, x) = values.iter().find(|(v, _)| !(*v >= -1e-12 * largest && v.is_finite()))?;
+    Some(Fault::at(
+        place,
+        format!(
+            "the concentration of `{}` is {value:.4e} mol/m^3 at {}",
+            plan.reactor.species[species],
+            show_vector(x.as_slice(), "m")
+        ),
+        "a concentration is a finite number, zero or more; max(0, ...) cuts off what lies below",
+    ))
+}
+
+/// A field that would enter with the fluid and is no concentration somewhere in the buffers beyond the ends.
+fn entering(plan: &Plan, species: usize, amount: &Amount, place: &Place) -> Option<Fault> {
+    fn buffers<const D: usize>(plan: &ParticlePlan<D>) -> Vec<Vector<3>> {
+        let Some(openings) = &plan.openings else { return Vec::new() };
+        let (k, fluid) = (openings.open.axis, openings.open.fluid);
+        let beyond = |x: &Vector<D>| x[k] < plan.domain.min[k] || x[k] > plan.domain.max[k];
+        let all = plan.particles.iter().filter(|p| p.body == fluid && beyond(&p.position));
+        all.map(|p| embed(&p.position)).collect()
+    }
+    let places = match &plan.arena {
+        Arena::Compartments(_) => Vec::new(),
+        Arena::Line(p) => buffers(p),
+        Arena::Plane(p) => buffers(p),
+        Arena::Space(p) => buffers(p),
+    };
+    bad_field(plan, places.into_iter(), species, amount, place)
 }
 
 fn is_zone(plan: &Plan, group: Option<usize>) -> bool {

@@ -3,6 +3,7 @@
 use super::html::{table, table_of_html, typeset};
 use super::measures;
 use crate::figures::{Samples, escape};
+use crate::fluid::{LARGEST_DENSITY_CHANGE, LARGEST_MACH};
 use crate::quantity::readable::{grouped, show, significant};
 use crate::record::{ModelText, RunRecord};
 
@@ -25,11 +26,6 @@ pub struct Check {
 
 /// Relative deviation of a conserved sum that rounding explains, over millions of additions.
 const ROUNDING: f64 = 1e-9;
-/// Mach number and density change up to which a flow passes as incompressible. The density changes with
-/// Mach², by 1 % at the usual design value 0.1 (Monaghan, J. Comput. Phys. 110 (1994) 399); twice that
-/// Mach number, 4 %, is allowed.
-const MACH: f64 = 0.2;
-const DENSITY: f64 = 0.04;
 /// Drift of total momentum over its largest value that rounding explains.
 const MOMENTUM: f64 = 1e-6;
 
@@ -71,8 +67,8 @@ pub fn checks(record: &RunRecord) -> Vec<Check> {
         }
     };
     bounded("Particles inside a wall", health.penetrations.map(|n| n as f64), 0.0);
-    bounded("Largest Mach number", health.largest_mach, MACH);
-    bounded("Largest change of density", health.largest_density_change, DENSITY);
+    bounded("Largest Mach number", health.largest_mach, LARGEST_MACH);
+    bounded("Largest change of density", health.largest_density_change, LARGEST_DENSITY_CHANGE);
     bounded("Drift of momentum", health.momentum_drift, MOMENTUM);
     if let Some(n) = health.bounces {
         out.push(Check {

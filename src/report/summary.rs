@@ -27,8 +27,12 @@ pub fn summary(samples: &Samples) -> String {
         let reason = record.error.as_deref().unwrap_or("what is shown is what was complete");
         let _ = writeln!(
             out,
-            "<p><span class=\"fail\">✗ The run is {}</span>: {}.</p>",
-            escape(&record.status),
+            "<p><span class=\"fail\">✗ The run {}</span>: {}.</p>",
+            escape(&match record.status.as_str() {
+                "failed" => "failed".to_owned(),
+                "interrupted" => "was interrupted".to_owned(),
+                other => format!("is {other}"),
+            }),
             escape(reason)
         );
     }
@@ -104,7 +108,10 @@ fn results(samples: &Samples) -> Option<String> {
 
 fn facts(samples: &Samples) -> Vec<(String, &'static str)> {
     let (record, p) = (&samples.record, &samples.record.performance);
-    let mut out = vec![(record.finished.to_string(), "realizations")];
+    let mut out = vec![(
+        record.finished.to_string(),
+        if record.finished == 1 { "realization" } else { "realizations" },
+    )];
     if p.reaction_events > 0 {
         out.push((significant(p.reaction_events as f64, 3), "reaction events"));
     }

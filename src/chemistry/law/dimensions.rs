@@ -69,10 +69,10 @@ fn apply(
         }
         a.or(b)
     };
-    // In an expression of constants alone, as `2 * k_on`, a written number only scales; with variables it may
+    // Beside constants alone, as in `2 * k_on` or `1 mm/s * 4`, a written number only scales; beside variables it may
     // be a rate constant in SI, as in `0.5 * S`.
     let factor = |k: usize| match (&arguments[k].kind, found[k]) {
-        (Kind::Number(..), None) if names.variables.is_empty() && found[1 - k].is_some() => PURE,
+        (Kind::Number(..), None) if found[1 - k].is_some() && is_constant(&arguments[1 - k], names) => PURE,
         _ => found[k],
     };
     match operation {
@@ -118,6 +118,17 @@ fn apply(
             PURE
         }
     }
+}
+
+/// Whether no variable is in a part.
+fn is_constant(tree: &Tree, names: &Names) -> bool {
+    let mut constant = true;
+    tree.visit(&mut |part| {
+        if let Kind::Name(name) = &part.kind {
+            constant &= names.variable(name).is_none();
+        }
+    });
+    constant
 }
 
 fn function_word(operation: Operation) -> &'static str {

@@ -6,7 +6,7 @@ use crate::model::domain::{Boundary, ParticleDomain};
 use crate::model::fluid::field::{self, Field};
 use crate::model::initial::Amount;
 use crate::model::names::axis_name;
-use crate::model::node::Node;
+use crate::model::node::{Node, Value};
 use crate::model::reader::{Faults, Fields};
 use crate::quantity::Dimension;
 
@@ -80,6 +80,13 @@ fn end_named(node: &Node, domain: &ParticleDomain, faults: &mut Faults) -> Optio
     None
 }
 
+/// How many of the conditions are open ends, read or not.
+fn stated(node: &Node) -> usize {
+    let Value::Map(conditions) = &node.value else { return 0 };
+    let is_open = |body: &Node| matches!(&body.value, Value::Map(kinds) if kinds.iter().any(|(kind, _)| kind.name == "open"));
+    conditions.iter().filter(|(_, body)| is_open(body)).count()
+}
+
 /// Both ends of an open axis must be described, and one of them must let the pressure out.
 pub(super) fn check(
     node: Option<&Node>,
@@ -116,9 +123,11 @@ pub(super) fn check(
         };
         found.iter().filter_map(end).collect()
     };
+    // One that could not be read is told by what is wrong with it.
+    let unread = node.is_some_and(|node| stated(node) > of(false).len() + of(true).len());
     for (upper, word) in [(false, "min"), (true, "max")] {
         let there = of(upper);
-        if there.is_empty() {
+        if there.is_empty() && !unread {
             faults.at(
                 place,
                 format!("the box is open along {name}, and nothing says what enters or leaves at {name}_{word}"),
