@@ -2,7 +2,7 @@
 //!
 //! A step of length τ is `react τ/2, diffuse τ/2 | move the particles | diffuse τ/2, react τ/2` (Strang
 //! 1968), second order in τ. The frozen geometry is one value, [`Frozen`], shared by all realizations of a
-//! flow; what belongs to one realization is its [`SplitState`].
+//! flow; what belongs to one realization is its [`SplitState`]. What diffuses passes surfaces in the step of diffusion.
 
 mod bounds;
 mod diffuse;
@@ -12,6 +12,7 @@ mod frozen;
 mod kinds;
 mod mixed;
 mod modes;
+mod passages;
 mod react;
 mod snapshot;
 

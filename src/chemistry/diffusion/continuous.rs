@@ -3,8 +3,7 @@
 //! Every term is positive, so amounts stay positive, and every row of P sums to one, so the total is kept
 //! to rounding. The sum stops where the remaining weight is below rounding.
 
-use super::discrete::Moved;
-use super::{HopTable, Jumps};
+use super::{Bath, HopTable, Jumps};
 
 /// Amounts of one species on their way, reused from step to step.
 #[derive(Clone, Debug, Default)]
@@ -18,20 +17,20 @@ const ROUNDING: f64 = 1e-17;
 
 impl Flow {
     /// Moves the continuous species that stands at `amounts[offset + i * stride]` in voxel i by one step.
-    /// `held` lists the held voxels and the amounts they emit by.
+    /// `baths` are its held voxels and the doors of the table, which book what passes.
     pub fn diffuse(
         &mut self,
         table: &HopTable,
         jumps: &Jumps,
         (amounts, offset, stride): (&mut [f64], usize, usize),
-        held: &[(u32, f64)],
-    ) -> Moved {
-        let voxels = table.voxels();
-        let mut moved = Moved::default();
+        baths: &mut [Bath],
+    ) {
+        let (voxels, nodes) = (table.voxels(), table.nodes());
         self.carried.clear();
         self.carried.extend(amounts[offset..].iter().step_by(stride).take(voxels));
-        for &(h, _) in held {
-            self.carried[h as usize] = 0.0;
+        self.carried.resize(nodes, 0.0);
+        for bath in &*baths {
+            self.carried[bath.node as usize] = 0.0;
         }
         let mut first = true;
         for (&tail, &onward) in jumps.tail.iter().zip(&jumps.onward) {
@@ -39,7 +38,7 @@ impl Flow {
                 break;
             }
             self.next.clear();
-            self.next.resize(voxels, 0.0);
+            self.next.resize(nodes, 0.0);
             for (i, &amount) in self.carried.iter().enumerate() {
                 if amount == 0.0 {
                     continue;
@@ -51,30 +50,30 @@ impl Flow {
                     self.next[j] += going * p;
                 }
             }
-            for &(h, n) in held {
-                moved.emitted += n * tail;
-                for (j, p) in table.row(h as usize) {
-                    self.next[j] += n * tail * p;
+            for bath in baths.iter_mut().filter(|bath| bath.mean > 0.0) {
+                bath.sent += bath.mean * tail;
+                for (j, p) in table.row(bath.node as usize) {
+                    self.next[j] += bath.mean * tail * p;
                 }
             }
-            for &(h, _) in held {
-                moved.emitted -= std::mem::take(&mut self.next[h as usize]);
+            for bath in &mut *baths {
+                bath.taken += std::mem::take(&mut self.next[bath.node as usize]);
             }
             std::mem::swap(&mut self.carried, &mut self.next);
             first = false;
         }
         if !first {
-            for (i, &amount) in self.carried.iter().enumerate() {
+            for (i, &amount) in self.carried[..voxels].iter().enumerate() {
                 amounts[offset + i * stride] += amount;
             }
         }
-        moved
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::chemistry::diffusion::Door;
     use crate::chemistry::links::Links;
 
     #[test]
@@ -86,7 +85,7 @@ mod tests {
             let mut amounts = [100.0, 0.0];
             let (jumps, pieces) = Jumps::expected(table.rate * t);
             for _ in 0..pieces {
-                Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), &[]);
+                Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), &mut []);
             }
             // Rounding of some tens of terms.
             assert!((amounts[0] - (80.0 + 20.0 * (-2.5 * t).exp())).abs() < 1e-11, "{t}");
@@ -101,9 +100,45 @@ mod tests {
         let table = HopTable::build(&links, &[1.0, 1.0], |_| true).unwrap();
         let mut amounts = [10.0, 0.0];
         let (jumps, _) = Jumps::expected(table.rate * 1.3);
-        let moved = Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), &[(0, 10.0)]);
+        let mut held = [Bath::new(0, 10.0)];
+        Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), &mut held);
         assert_eq!(amounts[0], 10.0);
         assert!((amounts[1] - 10.0 * (1.0 - (-0.7_f64 * 1.3).exp())).abs() < 1e-12);
-        assert!((moved.emitted - amounts[1]).abs() < 1e-12);
+        assert!((held[0].emitted() - amounts[1]).abs() < 1e-12);
+    }
+
+    /// Five unit cells in a row, half a cell from surfaces: 4 is held at the left one, the right one absorbs all.
+    pub fn between_surfaces() -> (HopTable, Vec<f64>) {
+        let links = Links::from_pairs(5, &[(0, 1, 1.0), (1, 2, 1.0), (2, 3, 1.0), (3, 4, 1.0)]);
+        let doors = [
+            Door { out: vec![(0, 2.0)], into: Vec::new() },
+            Door { out: Vec::new(), into: vec![(0, 8.0)] },
+            Door { out: vec![(4, 2.0)], into: Vec::new() },
+        ];
+        HopTable::build(&links, &[1.0; 5], |_| true).unwrap().with_doors(&doors)
+    }
+
+    #[test]
+    fn surfaces_are_exact_over_any_step() {
+        let (table, means) = between_surfaces();
+        let run = |time: f64, steps: u32| {
+            let mut amounts = [0.0; 5];
+            let mut doors: Vec<Bath> = (5..).zip(&means).map(|(node, &mean)| Bath::new(node, mean)).collect();
+            let (jumps, pieces) = Jumps::expected(table.rate * time / f64::from(steps));
+            for _ in 0..steps * pieces as u32 {
+                Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), &mut doors);
+            }
+            let passed = doors[1].sent - doors[0].taken - doors[2].taken;
+            assert!((passed / amounts.iter().sum::<f64>() - 1.0).abs() < 1e-10, "{passed}");
+            amounts
+        };
+        // One step and 64: rounding of hundreds of terms.
+        for (a, b) in run(3.0, 1).iter().zip(run(3.0, 64)) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+        // 4 at x = 0 and nothing at x = 5, in one long step.
+        for (i, n) in run(500.0, 1).into_iter().enumerate() {
+            assert!((n - (4.0 - 0.8 * (i as f64 + 0.5))).abs() < 1e-11, "{i} {n}");
+        }
     }
 }

@@ -4,11 +4,11 @@
 //! ones that jump at least once, at least twice, … and each lot is moved by one multinomial. The cost is
 //! that of the jumps, not of the molecules. The lots of voxels with few molecules are moved one by one.
 //!
-//! A held voxel keeps its count while it emits and absorbs: with n molecules it sends Poisson(n P(K ≥ s))
-//! virtual jumps at stage s, which is the law of hops of constant rate at uniform times in the step.
+//! A bath (a held voxel, a door in a surface) keeps its count while it sends and takes: with n molecules it sends
+//! Poisson(n P(K ≥ s)) virtual jumps at stage s, which is the law of hops of constant rate at uniform times in the step.
 
 use super::few::Few;
-use super::{HopTable, Jumps};
+use super::{Bath, HopTable, Jumps};
 use crate::chemistry::sampling_numbers::{Trials, poisson};
 use rand::Rng;
 
@@ -21,20 +21,11 @@ pub struct Walkers {
     /// Voxels of the molecules that go one by one.
     single: Vec<u32>,
     few: Few,
-    /// Whether a voxel is held; empty if none is.
-    held: Vec<bool>,
+    /// Number of the bath at a node, from 1; empty if there is none.
+    bath: Vec<u32>,
 }
 
-/// What a diffusion step did besides moving molecules.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moved {
-    /// Hops from one voxel to another.
-    pub hops: u64,
-    /// Molecules that left held voxels less those that entered them.
-    pub emitted: f64,
-}
-
-/// Chance of a further emission below which a held voxel has done with a step: expected molecules.
+/// Chance of a further emission below which a bath has done with a step: expected molecules.
 const NO_MORE: f64 = 1e-18;
 
 /// The amounts of one species: that of voxel i stands at `offset + i * stride`.
@@ -53,80 +44,87 @@ impl Amounts<'_> {
 
 impl Walkers {
     /// Moves the discrete species that stands at `amounts[offset + i * stride]` in voxel i by one step.
-    /// `held` lists the held voxels and the counts they emit by.
+    /// `baths` are its held voxels and the doors of the table, which book what passes. Returns the hops from one row to
+    /// another.
     pub fn diffuse<R: Rng>(
         &mut self,
         table: &HopTable,
         jumps: &Jumps,
         (amounts, offset, stride): (&mut [f64], usize, usize),
-        held: &[(u32, f64)],
+        baths: &mut [Bath],
         random: &mut R,
-    ) -> Moved {
-        let voxels = table.voxels();
+    ) -> u64 {
         let mut amounts = Amounts { all: amounts, offset, stride };
-        let mut moved = Moved::default();
-        self.begin(&mut amounts, voxels, held);
-        let source: f64 = held.iter().map(|&(_, n)| n).sum();
+        let mut hops = 0;
+        self.begin(&mut amounts, table, baths);
+        let source: f64 = baths.iter().map(|bath| bath.mean).sum();
         // Molecules that go by voxel.
         let mut many = true;
         for (stage, (&tail, &onward)) in jumps.tail.iter().zip(&jumps.onward).enumerate() {
             self.stop_singles(&mut amounts, onward, random);
             let mut moving = 0;
             if many {
-                moving = self.set_out(table, &mut amounts, onward, stage == 0, &mut moved, random);
+                moving = self.set_out(table, &mut amounts, onward, stage == 0, &mut hops, random);
             }
-            moved.hops += self.move_singles(table, random);
-            for &(h, n) in held {
-                let going = poisson(random, n * tail);
+            hops += self.move_singles(table, random);
+            for bath in baths.iter_mut().filter(|bath| bath.mean > 0.0) {
+                let going = poisson(random, bath.mean * tail);
                 if going > 0 {
+                    let node = bath.node as usize;
                     moving += going;
-                    moved.emitted += going as f64;
-                    let staying = self.next[h as usize];
-                    table.scatter(h as usize, going, &mut self.next, random);
-                    moved.hops += going - (self.next[h as usize] - staying);
+                    bath.sent += going as f64;
+                    let staying = self.next[node];
+                    table.scatter(node, going, &mut self.next, random);
+                    hops += going - (self.next[node] - staying);
                 }
             }
-            for &(h, _) in held {
-                let absorbed = std::mem::take(&mut self.next[h as usize]);
-                moving -= absorbed;
-                moved.emitted -= absorbed as f64;
+            for bath in &mut *baths {
+                let taken = std::mem::take(&mut self.next[bath.node as usize]);
+                moving -= taken;
+                bath.taken += taken as f64;
             }
-            if !held.is_empty() {
-                let before = self.single.len();
-                let marks = &self.held;
-                self.single.retain(|&i| !marks[i as usize]);
-                moved.emitted -= (before - self.single.len()) as f64;
+            if !baths.is_empty() {
+                let numbers = &self.bath;
+                self.single.retain(|&i| match numbers[i as usize] {
+                    0 => true,
+                    number => {
+                        baths[number as usize - 1].taken += 1.0;
+                        false
+                    }
+                });
             }
             std::mem::swap(&mut self.carried, &mut self.next);
             many = moving > 0;
             if !many && self.single.is_empty() && source * tail < NO_MORE {
-                return moved;
+                return hops;
             }
         }
         // Whoever is still on the way has reached a stage that has no further one within rounding.
-        for (i, count) in self.carried.iter_mut().enumerate() {
+        for (i, count) in self.carried[..table.voxels()].iter_mut().enumerate() {
             *amounts.at(i) += std::mem::take(count) as f64;
         }
         for i in self.single.drain(..) {
             *amounts.at(i as usize) += 1.0;
         }
-        moved
+        hops
     }
 
-    fn begin(&mut self, amounts: &mut Amounts, voxels: usize, held: &[(u32, f64)]) {
+    fn begin(&mut self, amounts: &mut Amounts, table: &HopTable, baths: &[Bath]) {
+        let (voxels, nodes) = (table.voxels(), table.nodes());
         self.carried.clear();
         self.carried.extend(
             amounts.all[amounts.offset..].iter().step_by(amounts.stride).take(voxels).map(|&n| n as u64),
         );
-        self.next.resize(voxels, 0);
+        self.carried.resize(nodes, 0);
+        self.next.resize(nodes, 0);
         self.single.clear();
-        self.held.clear();
-        if !held.is_empty() {
-            self.held.resize(voxels, false);
+        self.bath.clear();
+        if !baths.is_empty() {
+            self.bath.resize(nodes, 0);
         }
-        for &(h, _) in held {
-            self.carried[h as usize] = 0;
-            self.held[h as usize] = true;
+        for (number, bath) in (1..).zip(baths) {
+            self.carried[bath.node as usize] = 0;
+            self.bath[bath.node as usize] = number;
         }
     }
 
@@ -153,7 +151,7 @@ impl Walkers {
         amounts: &mut Amounts,
         onward: f64,
         first: bool,
-        moved: &mut Moved,
+        hops: &mut u64,
         random: &mut R,
     ) -> u64 {
         let lot = Trials::new(onward);
@@ -177,7 +175,7 @@ impl Walkers {
                     moving += going;
                     let staying = self.next[i];
                     table.scatter(i, going, &mut self.next, random);
-                    moved.hops += going - (self.next[i] - staying);
+                    *hops += going - (self.next[i] - staying);
                 }
                 going
             };
@@ -197,5 +195,54 @@ impl Walkers {
             *i = j;
         }
         hops
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chemistry::diffusion::continuous::tests::between_surfaces;
+    use crate::random::{Purpose, stream};
+
+    #[test]
+    fn molecules_through_surfaces_are_poisson() {
+        // Between surfaces from nothing: the numbers are independent Poisson, with the means of the exponential.
+        let (table, means) = between_surfaces();
+        let mut random = stream(41, 0, Purpose::Diffusion);
+        let (jumps, _) = Jumps::expected(table.rate * 2.5);
+        let baths = || (5..).zip(&means).map(|(node, &mean)| Bath::new(node, mean)).collect::<Vec<_>>();
+        let (mut exact, mut passed) = ([0.0; 5], baths());
+        crate::chemistry::diffusion::continuous::Flow::default().diffuse(
+            &table,
+            &jumps,
+            (&mut exact, 0, 1),
+            &mut passed,
+        );
+        let (runs, mut walkers) = (40_000, Walkers::default());
+        let (mut sum, mut squares, mut doors) = ([0.0; 5], [0.0; 5], [0.0; 3]);
+        for _ in 0..runs {
+            let (mut amounts, mut seen) = ([0.0; 5], baths());
+            walkers.diffuse(&table, &jumps, (&mut amounts, 0, 1), &mut seen, &mut random);
+            let through: f64 = seen.iter().map(Bath::emitted).sum();
+            assert_eq!(through, amounts.iter().sum::<f64>());
+            for (i, n) in amounts.into_iter().enumerate() {
+                sum[i] += n;
+                squares[i] += n * n;
+            }
+            (0..3).for_each(|k| doors[k] += seen[k].sent + seen[k].taken);
+        }
+        let count = f64::from(runs);
+        // Five standard errors; 13 comparisons, chance 1e-5 in all.
+        for i in 0..5 {
+            let (mean, m) = (sum[i] / count, exact[i]);
+            assert!((mean - m).abs() < 5.0 * (m / count).sqrt(), "{i}: {mean} {m}");
+            let variance = squares[i] / count - mean * mean;
+            // Of the variance of Poisson numbers: m + 2 m².
+            assert!((variance - m).abs() < 5.0 * ((m + 2.0 * m * m) / count).sqrt(), "{i}: {variance} {m}");
+        }
+        for k in 0..3 {
+            let m = passed[k].sent + passed[k].taken;
+            assert!((doors[k] / count - m).abs() < 5.0 * (m / count).sqrt(), "{k}: {} {m}", doors[k] / count);
+        }
     }
 }

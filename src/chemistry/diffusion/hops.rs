@@ -1,5 +1,6 @@
 //! The jump chain of a frozen geometry: where a molecule goes when it makes a virtual jump.
 
+use super::Door;
 use super::alias::{AliasWorker, Column, draw};
 use crate::chemistry::links::Links;
 use crate::chemistry::sampling_numbers::binomial_of_log;
@@ -7,12 +8,13 @@ use crate::error::RunError;
 use rand::Rng;
 use std::sync::OnceLock;
 
-/// The chain P = 1 + Q / Λ on the voxels, for every diffusivity at once (Q and Λ both scale with it).
+/// The chain P = 1 + Q / Λ on the voxels, for every diffusivity at once (Q and Λ both scale with it). Rows beyond the
+/// voxels are doors in surfaces.
 #[derive(Clone, Debug)]
 pub struct HopTable {
-    /// Λ per unit diffusivity: the largest Σ_j G_ij / V_i, 1/m².
+    /// Λ per unit diffusivity: the largest rate at which a molecule leaves its voxel, 1/m².
     pub rate: f64,
-    /// Σ_j G_ij / V_i of each voxel, 1/m².
+    /// Rate at which a molecule leaves each voxel, 1/m²: Σ_j G_ij / V_i and what its doors take.
     pub leaving: Vec<f64>,
     offsets: Vec<u32>,
     target: Vec<u32>,
@@ -92,6 +94,60 @@ impl HopTable {
         self.leaving.len()
     }
 
+    /// Number of rows: voxels, then doors.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// The same chain with `doors`, row by row after the voxels, and the means by which the doors send.
+    #[must_use]
+    pub fn with_doors(&self, doors: &[Door]) -> (HopTable, Vec<f64>) {
+        let voxels = self.voxels();
+        let mut exits: Vec<(u32, u32, f64)> = Vec::new();
+        for (number, door) in doors.iter().enumerate() {
+            exits.extend(door.out.iter().map(|&(i, rate)| (i, (voxels + number) as u32, rate)));
+        }
+        exits.sort_by_key(|&(i, door, _)| (i, door));
+        let mut leaving = self.leaving.clone();
+        exits.iter().for_each(|&(i, _, rate)| leaving[i as usize] += rate);
+        let rate = leaving.iter().copied().fold(0.0, f64::max);
+        let into = |door: &Door| door.into.iter().map(|&(_, rate)| rate).sum::<f64>();
+        // Where nothing leaves any voxel, any rate does.
+        let rate = if rate > 0.0 { rate } else { 1.0 };
+        let (length, more) =
+            (self.entries() + exits.len(), doors.iter().map(|door| door.into.len()).sum::<usize>());
+        let mut table = HopTable {
+            rate,
+            leaving,
+            offsets: Vec::with_capacity(voxels + doors.len() + 1),
+            target: Vec::with_capacity(length + voxels + more),
+            probability: Vec::with_capacity(length + voxels + more),
+            columns: OnceLock::new(),
+            chain: OnceLock::new(),
+        };
+        table.offsets.push(0);
+        let slower = self.rate / rate;
+        let mut exits = exits.iter().peekable();
+        for i in 0..voxels {
+            for (j, p) in self.row(i).filter(|&(j, _)| j != i) {
+                table.push(j, p * slower);
+            }
+            while let Some(&(_, door, out)) = exits.next_if(|exit| exit.0 as usize == i) {
+                table.push(door as usize, out / rate);
+            }
+            table.end_row(i, table.leaving[i]);
+        }
+        let sums: Vec<f64> = doors.iter().map(into).collect();
+        for (door, sum) in doors.iter().zip(&sums) {
+            for &(i, entering) in &door.into {
+                table.push(i as usize, entering / sum);
+            }
+            table.offsets.push(table.target.len() as u32);
+        }
+        (table, sums.iter().map(|sum| sum / rate).collect())
+    }
+
     /// Number of entries in all rows.
     #[must_use]
     pub fn entries(&self) -> usize {
@@ -169,14 +225,22 @@ impl HopTable {
     fn push_row(&mut self, i: usize, links: &Links, volume: f64, lives: &impl Fn(usize) -> bool) {
         if self.leaving[i] > 0.0 {
             for (j, g) in links.row(i).filter(|&(j, g)| g > 0.0 && j != i && lives(j)) {
-                self.target.push(j as u32);
-                self.probability.push(g / volume / self.rate);
+                self.push(j, g / volume / self.rate);
             }
         }
-        let staying = if self.rate > 0.0 { 1.0 - self.leaving[i] / self.rate } else { 1.0 };
+        self.end_row(i, self.leaving[i]);
+    }
+
+    fn push(&mut self, target: usize, probability: f64) {
+        self.target.push(target as u32);
+        self.probability.push(probability);
+    }
+
+    /// Ends the row of voxel `i` with the jumps that stay.
+    fn end_row(&mut self, i: usize, leaving: f64) {
+        let staying = if self.rate > 0.0 { 1.0 - leaving / self.rate } else { 1.0 };
         if staying > NOTHING {
-            self.target.push(i as u32);
-            self.probability.push(staying);
+            self.push(i, staying);
         }
         self.offsets.push(self.target.len() as u32);
     }
@@ -186,7 +250,7 @@ impl HopTable {
         self.columns.get_or_init(|| {
             let mut worker = AliasWorker::default();
             let mut columns = Vec::with_capacity(self.target.len());
-            for range in (0..self.voxels()).map(|i| self.range(i)) {
+            for range in (0..self.nodes()).map(|i| self.range(i)) {
                 let probability = &self.probability[range.clone()];
                 let total = probability.iter().rev().fold(0.0, |sum, p| sum + p);
                 worker.append(&self.target[range], probability, total, &mut columns);
@@ -199,7 +263,7 @@ impl HopTable {
     fn chain(&self) -> &Chain {
         self.chain.get_or_init(|| {
             let mut conditional = vec![1.0; self.target.len()];
-            for range in (0..self.voxels()).map(|i| self.range(i)) {
+            for range in (0..self.nodes()).map(|i| self.range(i)) {
                 let mut tail = 0.0;
                 for (c, &p) in
                     conditional[range.clone()].iter_mut().zip(&self.probability[range.clone()]).rev()
@@ -280,5 +344,30 @@ mod tests {
         let table = HopTable::build(&links, &[1.0; 3], |i| i != 2).unwrap();
         assert_eq!(table.leaving, [1.0, 1.0, 0.0]);
         assert_eq!(table.row(2).collect::<Vec<_>>(), [(2, 1.0)]);
+    }
+
+    #[test]
+    fn doors_are_rows_more() {
+        let doors = [
+            Door { out: vec![(0, 1.5), (2, 1.0)], into: Vec::new() },
+            Door { out: Vec::new(), into: vec![(1, 6.0), (3, 4.0)] },
+        ];
+        let (table, means) = star().with_doors(&doors);
+        // 3.5 by links and 1.5 by the door.
+        assert_eq!((table.rate, table.voxels(), table.nodes()), (5.0, 4, 6));
+        assert_eq!(means, [0.0, 2.0]);
+        let chance = |i: usize, j: usize| table.row(i).find(|&(k, _)| k == j).map_or(0.0, |(_, p)| p);
+        assert_eq!((chance(0, 4), chance(2, 4), chance(5, 1), chance(5, 3)), (0.3, 0.2, 0.6, 0.4));
+        for i in 0..4 {
+            assert!((table.row(i).map(|(_, p)| p).sum::<f64>() - 1.0).abs() < 1e-15, "{i}");
+            // The rates between voxels are what they were.
+            for (j, p) in star().row(i).filter(|&(j, _)| j != i) {
+                assert!((chance(i, j) * 5.0 - p * 3.5).abs() < 1e-15, "{i} {j}");
+            }
+        }
+        // From a voxel without links a molecule leaves by the door alone.
+        let alone = HopTable::build(&Links::from_pairs(1, &[]), &[1.0], |_| true).unwrap();
+        let (table, _) = alone.with_doors(&[Door { out: vec![(0, 2.0)], into: Vec::new() }]);
+        assert_eq!((table.rate, table.row(0).collect::<Vec<_>>()), (2.0, vec![(1, 1.0)]));
     }
 }

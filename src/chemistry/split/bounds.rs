@@ -62,7 +62,7 @@ pub fn step_bounds(
                 format!("{hops} expected hops of a molecule of {} in voxel {fastest}", reactor.species[s]);
         }
     }
-    let (rate, s, voxel) = fastest_loss(reactor, frozen, amounts, change / hops);
+    let (rate, s, voxel) = fastest_loss(reactor, frozen, amounts);
     if rate > 0.0 {
         bounds.reactions = change / rate;
         bounds.reactions_limited_by = format!(
@@ -75,9 +75,8 @@ pub fn step_bounds(
 
 /// Largest loss per molecule, 1/s, with its species and voxel.
 ///
-/// What a surface takes is a way of leaving like hops, and limits the step no more than they do: a voxel close to an
-/// absorbing surface is at its concentration, whatever the step. `share` is the limit of change over that of hops.
-fn fastest_loss(reactor: &Reactor, frozen: &Frozen, amounts: &[f64], share: f64) -> (f64, usize, usize) {
+/// What leaves through a surface does so in the step of diffusion, and limits no step.
+fn fastest_loss(reactor: &Reactor, frozen: &Frozen, amounts: &[f64]) -> (f64, usize, usize) {
     let species = reactor.species_count();
     let propensities = &reactor.propensities;
     let diffuses: Vec<bool> = (0..species).map(|s| frozen.table(s).is_some()).collect();
@@ -106,12 +105,7 @@ fn fastest_loss(reactor: &Reactor, frozen: &Frozen, amounts: &[f64], share: f64)
         for r in sampled.iter().chain(integrated).map(|&r| r as usize).filter(|&r| coupled[r]) {
             let flux = propensities.flux_at(r, &trial, scale) * frozen.weight(r, i);
             for &(s, change) in propensities.changes(r).iter().filter(|&&(_, change)| change < 0.0) {
-                let s = s as usize;
-                let hops = frozen.table(s).filter(|_| reactor.surface[r]);
-                let most = hops.map_or(f64::INFINITY, |table| {
-                    share * reactor.diffusivity[s] * table.rate * trial[s].max(1.0)
-                });
-                loss[s] += (-change * flux).min(most);
+                loss[s as usize] += -change * flux;
             }
         }
         for s in 0..species {

@@ -53,7 +53,7 @@ pub fn splitting_error(
     }
     // What one step costs: each stage of diffusion goes once over the entries of its table.
     let cost = |step: f64| -> f64 {
-        let moves = diffusing.iter().filter_map(|&s| Some((frozen.table(s)?, reactor.diffusivity[s])));
+        let moves = diffusing.iter().filter_map(|&s| Some((frozen.ways(s)?, reactor.diffusivity[s])));
         let diffusion: f64 = moves
             .map(|(table, diffusivity)| {
                 let (jumps, pieces) = Jumps::expected(diffusivity * table.rate * step);
@@ -169,12 +169,11 @@ impl MeanField<'_> {
     fn diffuse(&mut self, state: &mut [f64], dt: f64) {
         let count = self.reactor.species_count();
         for s in 0..count {
-            let Some(table) = self.frozen.table(s) else { continue };
+            let Some(table) = self.frozen.ways(s) else { continue };
             let (jumps, pieces) = Jumps::expected(self.reactor.diffusivity[s] * table.rate * dt);
-            let held: Vec<(u32, f64)> =
-                self.frozen.held_voxels[s].iter().map(|&h| (h, state[h as usize * count + s])).collect();
+            let mut baths = self.frozen.baths(s, |h| state[h * count + s]);
             for _ in 0..pieces {
-                self.flow.diffuse(table, &jumps, (&mut *state, s, count), &held);
+                self.flow.diffuse(table, &jumps, (&mut *state, s, count), &mut baths);
             }
         }
     }

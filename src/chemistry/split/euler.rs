@@ -17,7 +17,7 @@ impl SplitState {
         change.clear();
         change.resize(self.amounts.len(), 0.0);
         for s in 0..species {
-            let Some(table) = frozen.table(s) else { continue };
+            let Some(table) = frozen.ways(s) else { continue };
             let rate = reactor.diffusivity[s] * table.rate * dt;
             for i in 0..table.voxels() {
                 let slot = i * species + s;
@@ -28,7 +28,14 @@ impl SplitState {
                 for (j, p) in table.row(i).filter(|&(j, _)| j != i) {
                     let moved = amount * rate * p;
                     change[slot] -= moved;
-                    change[j * species + s] += moved;
+                    if j < table.voxels() {
+                        change[j * species + s] += moved;
+                    }
+                }
+            }
+            for door in frozen.baths(s, |_| 0.0).iter().filter(|door| door.mean > 0.0) {
+                for (j, p) in table.row(door.node as usize) {
+                    change[j * species + s] += door.mean * rate * p;
                 }
             }
         }
@@ -70,7 +77,7 @@ impl SplitState {
 #[must_use]
 pub fn longest_euler_step(reactor: &Reactor, frozen: &Frozen) -> f64 {
     (0..reactor.species_count())
-        .filter_map(|s| Some(2.0 / (reactor.diffusivity[s] * frozen.table(s)?.rate)))
+        .filter_map(|s| Some(2.0 / (reactor.diffusivity[s] * frozen.ways(s)?.rate)))
         .fold(f64::INFINITY, f64::min)
 }
 

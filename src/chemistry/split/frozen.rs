@@ -1,6 +1,7 @@
 //! One frozen geometry, built once per chemistry step and shared by all realizations of a flow.
 
 use super::kinds::{Kind, sort_into_kinds};
+use super::passages::Passages;
 use crate::chemistry::diffusion::HopTable;
 use crate::chemistry::links::Links;
 use crate::chemistry::propensity::Scale;
@@ -28,6 +29,8 @@ pub struct Frozen {
     /// Table of each species; `None` for those that do not diffuse.
     pub(super) table: Vec<Option<u32>>,
     pub(super) tables: Vec<HopTable>,
+    /// By species, where surfaces let it through while it diffuses; empty if there is no surface.
+    pub(super) passages: Vec<Option<Passages>>,
 }
 
 impl Frozen {
@@ -109,6 +112,7 @@ impl Frozen {
             weights: Vec::new(),
             table,
             tables,
+            passages: Vec::new(),
         })
     }
 
@@ -136,10 +140,13 @@ impl Frozen {
             }
         }
         (self.kinds, self.kind) = sort_into_kinds(reactor, &self.home, current, |i| met[i]);
+        self.passages =
+            (0..reactor.species_count()).map(|s| Passages::new(reactor, &self, s, surfaces)).collect();
         self
     }
 
-    /// Reactions that happen in a voxel where every hybrid species is discrete, rising: sampled, integrated.
+    /// Reactions that happen in a voxel where every hybrid species is discrete, rising: sampled, integrated. Molecules
+    /// that diffuse pass surfaces while they do, so those reactions are not among them.
     #[must_use]
     pub fn reactions(&self, voxel: usize) -> (&[u32], &[u32]) {
         let lists = &self.kinds[self.kind[voxel] as usize].lists[0];
@@ -165,7 +172,10 @@ impl Frozen {
     /// How strongly reaction `r` acts in a voxel, a factor of its propensity: zero where it does not happen,
     /// [`Frozen::weight`] elsewhere.
     #[must_use]
-    pub fn strength(&self, r: usize, voxel: usize) -> f64 {
+    pub fn strength(&self, reactor: &Reactor, r: usize, voxel: usize) -> f64 {
+        if reactor.surface[r] {
+            return self.weights.get(r).and_then(|row| row.get(voxel)).copied().unwrap_or(0.0);
+        }
         let (sampled, integrated) = self.reactions(voxel);
         let happens = sampled.iter().chain(integrated).any(|&q| q as usize == r);
         if happens { self.weight(r, voxel) } else { 0.0 }

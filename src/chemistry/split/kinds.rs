@@ -72,19 +72,25 @@ pub(super) fn sort_into_kinds(
     (kinds, kind)
 }
 
+/// Whether what a surface reaction changes diffuses, and passes the surface while it does.
+fn with_diffusion(reactor: &Reactor, r: usize) -> bool {
+    reactor.propensities.changes(r).iter().any(|&(s, _)| reactor.diffusivity[s as usize] > 0.0)
+}
+
 fn lists(reactor: &Reactor, (home, current, surfaces): (u8, u8, u64)) -> Vec<Lists> {
     let mut bit = 0;
     let mut here = Vec::new();
     for r in 0..reactor.propensities.len() {
         let mut happens = reactor.happens(r, home, current);
         if reactor.surface[r] {
-            happens &= surfaces >> bit & 1 == 1;
+            happens &= surfaces >> bit & 1 == 1 && !with_diffusion(reactor, r);
             bit += 1;
         }
         if happens {
             here.push(r as u32);
         }
     }
+    let weighted = here.iter().any(|&r| reactor.surface[r as usize]);
     let modes = reactor.hybrid.as_ref().map_or(1, |hybrid| hybrid.modes());
-    (0..modes).map(|mode| Lists::sort(reactor.propensities_in(mode as u8), &here, surfaces != 0)).collect()
+    (0..modes).map(|mode| Lists::sort(reactor.propensities_in(mode as u8), &here, weighted)).collect()
 }

@@ -4,7 +4,7 @@
 //! beside it give exactly as many: the total is kept to the molecule, and the mean follows the linear operator.
 
 use super::{Frozen, SplitState};
-use crate::chemistry::diffusion::{HopTable, Jumps};
+use crate::chemistry::diffusion::{Bath, HopTable, Jumps};
 use crate::chemistry::reactor::Hybrid;
 use crate::chemistry::sampling_numbers::poisson;
 
@@ -18,14 +18,13 @@ pub(super) struct Mixture {
 }
 
 impl SplitState {
-    /// One piece of a diffusion step of hybrid species number `k`; `held` lists the held voxels and the amounts
-    /// they emit by.
+    /// One piece of a diffusion step of hybrid species number `k`; `baths` are its held voxels, then its doors.
     pub(super) fn diffuse_mixed(
         &mut self,
         (hybrid, frozen, table): (&Hybrid, &Frozen, &HopTable),
         k: usize,
         jumps: &Jumps,
-        held: &[(u32, f64)],
+        baths: &[Bath],
     ) {
         let (s, species) = (hybrid.species[k], self.supplied.len());
         let voxels = frozen.voxels();
@@ -39,18 +38,18 @@ impl SplitState {
             mixture.walking.push(walking);
             mixture.flowing.push(flowing);
         }
-        let (many, few): (Vec<_>, Vec<_>) =
-            held.iter().copied().partition(|(h, _)| flows(&self.modes, *h as usize));
-        // A reservoir takes in what reaches it in either form, and sends out in its own.
-        let silent = |list: &[(u32, f64)]| list.iter().map(|&(h, _)| (h, 0.0)).collect::<Vec<_>>();
-        let (mut walkers, mut pipes) = (few.clone(), many.clone());
-        walkers.extend(silent(&many));
-        pipes.extend(silent(&few));
-        let moved =
-            self.walkers.diffuse(table, jumps, (&mut mixture.walking, 0, 1), &walkers, &mut self.hops);
-        self.counters.hops += moved.hops;
-        self.supplied[s] += moved.emitted;
-        self.supplied[s] += self.flow.diffuse(table, jumps, (&mut mixture.flowing, 0, 1), &pipes).emitted;
+        // A held voxel takes in what reaches it in either form and sends out in its own; doors send molecules.
+        let (mut walkers, mut pipes) = (baths.to_vec(), baths.to_vec());
+        for (walker, pipe) in walkers.iter_mut().zip(&mut pipes) {
+            let node = walker.node as usize;
+            let silent = if node < voxels && flows(&self.modes, node) { walker } else { pipe };
+            silent.mean = 0.0;
+        }
+        self.counters.hops +=
+            self.walkers.diffuse(table, jumps, (&mut mixture.walking, 0, 1), &mut walkers, &mut self.hops);
+        self.book(frozen, s, &walkers, true);
+        self.flow.diffuse(table, jumps, (&mut mixture.flowing, 0, 1), &mut pipes);
+        self.book(frozen, s, &pipes, false);
         let mut owed = 0.0;
         for i in 0..voxels {
             let slot = i * species + s;
@@ -78,12 +77,12 @@ impl SplitState {
                     0.0
                 }
             };
-            let sum: f64 = table.row(j).map(|(i, p)| share(self, i, p)).sum();
+            let sum: f64 = table.row(j).filter(|&(i, _)| i < voxels).map(|(i, p)| share(self, i, p)).sum();
             if sum <= 0.0 {
                 owed += debt;
                 continue;
             }
-            for (i, p) in table.row(j) {
+            for (i, p) in table.row(j).filter(|&(i, _)| i < voxels) {
                 let part = debt * share(self, i, p) / sum;
                 let slot = i * species + s;
                 if frozen.is_held(slot) {

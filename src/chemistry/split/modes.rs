@@ -95,6 +95,13 @@ impl Modes {
         self.left_over[s] += part;
     }
 
+    /// Takes `extent` events of reaction `r` outside any voxel into the books.
+    pub(super) fn add(&mut self, r: usize, extent: f64) {
+        if let Some(sum) = self.extents.get_mut(r) {
+            *sum += extent;
+        }
+    }
+
     /// Room for the extents of `count` integrated reactions of the voxel under way.
     pub(super) fn room(&mut self, count: usize) -> &mut [f64] {
         self.current.clear();

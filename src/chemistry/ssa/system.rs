@@ -36,7 +36,7 @@ impl<'a> System<'a> {
     pub fn new(reactor: &'a Reactor, frozen: &'a Frozen) -> System<'a> {
         let reactions = reactor.propensities.len();
         let weights = (0..frozen.voxels())
-            .flat_map(|voxel| (0..reactions).map(move |r| frozen.strength(r, voxel)))
+            .flat_map(|voxel| (0..reactions).map(move |r| frozen.strength(reactor, r, voxel)))
             .collect();
         let mut system = System {
             reactor,
