@@ -28,7 +28,7 @@ reactions: {{ species: {{ A: {{ diffusion: 100 um^2/s }} }}, reactions: {{}} }}
 domain: {{ kind: particles, dimensions: 1, min: [0], max: [10 um] }}
 particles: {{ spacing: {} um, support: 2.4 }}
 conditions: {{ on: {{ held: {{ in: x_min, species: {{ A: 1 uM }} }} }}, off: {{ held: {{ in: x_max, species: {{ A: 0 }} }} }} }}
-chemistry: {{ representation: continuous, step: 0.02 ms }}
+chemistry: {{ representation: continuous, step: 10 ms }}
 run: {{ until: 0.1 s }}
 output: {{ times: [0, 0.1 s] }}
 ",

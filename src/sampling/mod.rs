@@ -44,15 +44,6 @@ impl Observed {
     }
 }
 
-/// When amounts are looked at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
-    /// s.
-    pub time: f64,
-    /// Chemistry step that ends there, s; zero where nothing is split.
-    pub tick: f64,
-}
-
 /// Names of the columns of the series.
 #[must_use]
 pub fn columns(plan: &Plan) -> Columns {
@@ -144,12 +135,11 @@ impl<'p, const D: usize> Lens<'p, D> {
 
     /// Appends an instant to what a realization has shown. `shared` tells that all realizations see one flow,
     /// whose velocities only the first one (number 0) records.
-    pub fn look(&self, amounts: &[f64], now: Moment, shared: bool, observed: &mut Observed) {
-        let time = now.time;
+    pub fn look(&self, amounts: &[f64], time: f64, shared: bool, observed: &mut Observed) {
         self.sums.look(amounts, observed);
         let realization = observed.series.realization;
         for probe in &self.probes {
-            probe.look(amounts, now, realization, realization == 0 || !shared, &mut observed.probes);
+            probe.look(amounts, time, realization, realization == 0 || !shared, &mut observed.probes);
         }
         if realization == 0 || !shared {
             observed.probes.extend(self.solids.iter().map(|row| row.rows(realization, time)));

@@ -10,7 +10,6 @@ use crate::plan::Plan;
 use crate::plan::chemistry::receptor_pairs;
 use crate::plan::surfaces::surfaces;
 use crate::samples::ProbeRows;
-use crate::sampling::Moment;
 use crate::scene::Scene;
 use crate::vector::Vector;
 
@@ -56,15 +55,6 @@ struct Gate {
     leaves: f64,
 }
 
-/// Mean of what passes a surface over a step, in units of what passes at its end. Steps begin and end with half a
-/// step of reactions, over which dn/dt = a - k n brings a voxel nearer to the surface by exp(-k τ/2), and diffusion
-/// brings it back in between: at the end less passes than before and behind. The mean over the half step before the
-/// end and the one after is sinh(x)/x with x = k τ/2, up to where rounding would be seen.
-fn over_step(x: f64) -> f64 {
-    const MOST: f64 = 5.0;
-    if x < 1e-4 { 1.0 } else { x.min(MOST).sinh() / x.min(MOST) }
-}
-
 impl<'p, const D: usize> ProbeLens<'p, D> {
     /// Works out the weights of a probe.
     #[must_use]
@@ -87,14 +77,7 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
     }
 
     /// Reads a realization.
-    pub fn look(
-        &self,
-        amounts: &[f64],
-        now: Moment,
-        realization: u32,
-        flow: bool,
-        rows: &mut Vec<ProbeRows>,
-    ) {
+    pub fn look(&self, amounts: &[f64], time: f64, realization: u32, flow: bool, rows: &mut Vec<ProbeRows>) {
         let species = self.plan.reactor.species.len();
         let mut push = |quantity: &str, values: Vec<f64>| {
             let kept: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_finite()).collect();
@@ -104,7 +87,7 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
             rows.push(ProbeRows {
                 probe: self.probe.name.clone(),
                 realization,
-                time: now.time,
+                time,
                 quantity: quantity.to_string(),
                 s: kept.iter().map(|&k| self.s[k]).collect(),
                 position: kept.iter().map(|&k| self.place[k]).collect(),
@@ -147,7 +130,7 @@ impl<'p, const D: usize> ProbeLens<'p, D> {
             for Passing { species: s, at } in passing {
                 let gained = |one: &Gate| {
                     let n = amounts[one.voxel as usize * species + s];
-                    (one.enters - one.leaves * n) * over_step(0.5 * one.leaves * now.tick)
+                    one.enters - one.leaves * n
                 };
                 let supply: f64 = at.iter().map(gained).sum();
                 push(&supply_name(self.plan, *s), vec![supply / AVOGADRO]);

@@ -10,7 +10,7 @@ use crate::chemistry::sampling_numbers::poisson;
 use crate::chemistry::ssa::System;
 use crate::model::Method;
 use crate::random::{Purpose, stream};
-use crate::sampling::{Lens, Moment, Observed};
+use crate::sampling::{Lens, Observed};
 use std::time::Instant;
 
 impl<const D: usize> Ready<'_, D> {
@@ -71,7 +71,7 @@ impl<const D: usize> Ready<'_, D> {
                     shown[voxel as usize * count + s] = poisson(&mut reservoirs, mean) as f64;
                 }
             }
-            lens.look(&shown, Moment { time, tick: 0.0 }, false, &mut seen.observed);
+            lens.look(&shown, time, false, &mut seen.observed);
             seen.looked();
         })?;
         let Some(share) = share else { return Ok(false) };

@@ -18,13 +18,13 @@ use crate::chemistry::split::{Frozen, SplittingError, longest_euler_step};
 use crate::error::{Fault, ModelError, RunError};
 use crate::fluid::Flow;
 use crate::model::changes::{flow_makings, other_makings};
-use crate::model::{FlowFile, Integrator, Method};
+use crate::model::{FlowFile, Method};
 use crate::plan::limits::{check_euler, check_steps};
 use crate::plan::start::{Start, check_amounts, start};
 use crate::plan::{ParticlePlan, Plan};
 use crate::quantity::readable::show;
 use crate::samples::SeriesBlock;
-use crate::sampling::{Lens, Moment, Observed};
+use crate::sampling::{Lens, Observed};
 use crate::scene::{AT_A_TIME, Moving, Scene};
 use crate::solid::StepLimit;
 use recording::{Frame, Player, Title};
@@ -169,12 +169,7 @@ impl<'p, const D: usize> Ready<'p, D> {
     #[must_use]
     pub fn first_look(&self) -> SeriesBlock {
         let mut observed = Observed::new(0);
-        Lens::new(self.plan, &self.scene).look(
-            &self.start.means(),
-            Moment { time: 0.0, tick: 0.0 },
-            true,
-            &mut observed,
-        );
+        Lens::new(self.plan, &self.scene).look(&self.start.means(), 0.0, true, &mut observed);
         observed.series
     }
 
@@ -212,19 +207,12 @@ impl<'p, const D: usize> Ready<'p, D> {
         let around = Surroundings { plan, frozen: &self.frozen, reservoirs: &reservoirs, start: &self.start };
         let groups = self.groups();
         let walk = Walk { plan, clock: &self.clock, watch, keep, groups: (&groups, &self.scene.plan.home) };
-        // What is split and how finely, at the end of an interval.
-        let split = plan.model.chemistry.integrator == Integrator::Exponential;
-        let tick = |time: f64| {
-            let ended = self.clock.iter().find(|interval| split && interval.end == time);
-            ended.map_or(0.0, Interval::tick)
-        };
         each(realizations, 1, watch, |numbers| {
             let one = |&number: &u32| {
                 let begin = || Realization::new(plan, &self.start, number);
                 let step = |one: &mut Realization, time, tick| one.step_at_rest(&around, time, tick);
                 let look = |one: &mut Realization, time| {
-                    let now = Moment { time, tick: tick(time) };
-                    lens.look(&one.state.amounts, now, false, &mut one.observed);
+                    lens.look(&one.state.amounts, time, false, &mut one.observed);
                 };
                 (number, walk.follow(number, begin, step, look))
             };

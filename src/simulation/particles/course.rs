@@ -8,7 +8,7 @@ use crate::model::changes::flow_makings;
 use crate::plan::Plan;
 use crate::plan::start::Start;
 use crate::record::TemperatureRecord;
-use crate::sampling::{Lens, Moment};
+use crate::sampling::Lens;
 use crate::scene::{self, Scene};
 use crate::simulation::clock::Interval;
 use crate::simulation::freeze::freeze;
@@ -290,8 +290,7 @@ impl<const D: usize> Course<'_, '_, D> {
             }
             let lens = Lens::new(self.plan, &self.scene);
             let look = |one: &mut Realization| {
-                let now = Moment { time: interval.end, tick };
-                lens.look(&one.state.amounts, now, self.shared, &mut one.observed);
+                lens.look(&one.state.amounts, interval.end, self.shared, &mut one.observed);
                 hand_over(&mut one.observed, self.keep, piece)
             };
             way.crew.members.par_iter_mut().try_for_each(look)?;
