@@ -150,6 +150,9 @@ fn a_hybrid_species_passes_surfaces_in_both_forms() {
         total("representation: hybrid, step: 10 ms, hybrid: { above: 80, below: 60 }", 400, "hybrid");
     let found = seen.iter().sum::<f64>() / seen.len() as f64;
     assert!((found - mean).abs() < 4.5 * (mean / seen.len() as f64).sqrt(), "{found} against {mean}");
+    // Real amounts do not fluctuate, neither where they enter: less than a Poisson number.
+    let variance = seen.iter().map(|s| (s - found) * (s - found)).sum::<f64>() / (seen.len() - 1) as f64;
+    assert!(variance < 0.9 * mean, "{variance} of {mean}");
     assert_eq!(record["health"]["molecules_created_or_lost"], 0.0);
     // Both forms occur.
     let share = record["hybrid"][0]["continuous"].as_f64().unwrap();

@@ -28,6 +28,12 @@ impl Bath {
     }
 }
 
+/// Into which voxels doors send; held voxels send to all of their neighbours.
+pub type Open<'a> = &'a dyn Fn(usize) -> bool;
+
+/// Doors send into every voxel.
+pub const ALL: Open<'static> = &|_| true;
+
 /// A way through a surface, for one diffusivity D, in units of it (1/m²): rates at which a molecule of a voxel leaves,
 /// and at which molecules enter a voxel.
 #[derive(Clone, Debug, Default, PartialEq)]

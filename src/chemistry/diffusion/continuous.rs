@@ -3,7 +3,7 @@
 //! Every term is positive, so amounts stay positive, and every row of P sums to one, so the total is kept
 //! to rounding. The sum stops where the remaining weight is below rounding.
 
-use super::{Bath, HopTable, Jumps};
+use super::{Bath, HopTable, Jumps, Open};
 
 /// Amounts of one species on their way, reused from step to step.
 #[derive(Clone, Debug, Default)]
@@ -17,13 +17,13 @@ const ROUNDING: f64 = 1e-17;
 
 impl Flow {
     /// Moves the continuous species that stands at `amounts[offset + i * stride]` in voxel i by one step.
-    /// `baths` are its held voxels and the doors of the table, which book what passes.
+    /// `baths` are its held voxels and the doors of the table, which book what passes; doors send into `open` voxels.
     pub fn diffuse(
         &mut self,
         table: &HopTable,
         jumps: &Jumps,
         (amounts, offset, stride): (&mut [f64], usize, usize),
-        baths: &mut [Bath],
+        (baths, open): (&mut [Bath], Open),
     ) {
         let (voxels, nodes) = (table.voxels(), table.nodes());
         self.carried.clear();
@@ -34,7 +34,8 @@ impl Flow {
         }
         let mut first = true;
         for (&tail, &onward) in jumps.tail.iter().zip(&jumps.onward) {
-            if tail < ROUNDING {
+            // The first jump brings what enters by doors, however short the step.
+            if tail < ROUNDING && !first {
                 break;
             }
             self.next.clear();
@@ -51,9 +52,10 @@ impl Flow {
                 }
             }
             for bath in baths.iter_mut().filter(|bath| bath.mean > 0.0) {
-                bath.sent += bath.mean * tail;
-                for (j, p) in table.row(bath.node as usize) {
-                    self.next[j] += bath.mean * tail * p;
+                let (node, going) = (bath.node as usize, bath.mean * tail);
+                for (j, p) in table.row(node).filter(|&(j, _)| node < voxels || open(j)) {
+                    self.next[j] += going * p;
+                    bath.sent += going * p;
                 }
             }
             for bath in &mut *baths {
@@ -73,7 +75,7 @@ impl Flow {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::chemistry::diffusion::Door;
+    use crate::chemistry::diffusion::{ALL, Door};
     use crate::chemistry::links::Links;
 
     #[test]
@@ -85,7 +87,7 @@ pub(super) mod tests {
             let mut amounts = [100.0, 0.0];
             let (jumps, pieces) = Jumps::expected(table.rate * t);
             for _ in 0..pieces {
-                Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), &mut []);
+                Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), (&mut [], ALL));
             }
             // Rounding of some tens of terms.
             assert!((amounts[0] - (80.0 + 20.0 * (-2.5 * t).exp())).abs() < 1e-11, "{t}");
@@ -101,7 +103,7 @@ pub(super) mod tests {
         let mut amounts = [10.0, 0.0];
         let (jumps, _) = Jumps::expected(table.rate * 1.3);
         let mut held = [Bath::new(0, 10.0)];
-        Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), &mut held);
+        Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), (&mut held, ALL));
         assert_eq!(amounts[0], 10.0);
         assert!((amounts[1] - 10.0 * (1.0 - (-0.7_f64 * 1.3).exp())).abs() < 1e-12);
         assert!((held[0].emitted() - amounts[1]).abs() < 1e-12);
@@ -126,7 +128,7 @@ pub(super) mod tests {
             let mut doors: Vec<Bath> = (5..).zip(&means).map(|(node, &mean)| Bath::new(node, mean)).collect();
             let (jumps, pieces) = Jumps::expected(table.rate * time / f64::from(steps));
             for _ in 0..steps * pieces as u32 {
-                Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), &mut doors);
+                Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), (&mut doors, ALL));
             }
             let passed = doors[1].sent - doors[0].taken - doors[2].taken;
             assert!((passed / amounts.iter().sum::<f64>() - 1.0).abs() < 1e-10, "{passed}");
@@ -139,6 +141,19 @@ pub(super) mod tests {
         // 4 at x = 0 and nothing at x = 5, in one long step.
         for (i, n) in run(500.0, 1).into_iter().enumerate() {
             assert!((n - (4.0 - 0.8 * (i as f64 + 0.5))).abs() < 1e-11, "{i} {n}");
+        }
+    }
+
+    #[test]
+    fn what_enters_a_lone_voxel_stays_there() {
+        // Nothing leaves it, and the step is of no length for the chain: 5 molecules per 1/m² of rate.
+        let alone = HopTable::build(&Links::from_pairs(1, &[]), &[1.0], |_| true).unwrap();
+        let (table, means) = alone.with_doors(&[Door { out: Vec::new(), into: vec![(0, 5.0)] }]);
+        for step in [1e-18, 1e-6, 2.0] {
+            let (mut amounts, mut door) = ([0.0], [Bath::new(1, means[0])]);
+            let (jumps, _) = Jumps::expected(table.rate * step);
+            Flow::default().diffuse(&table, &jumps, (&mut amounts, 0, 1), (&mut door, ALL));
+            assert!((amounts[0] / (5.0 * step) - 1.0).abs() < 1e-12, "{step}: {}", amounts[0]);
         }
     }
 }

@@ -8,7 +8,7 @@
 //! Poisson(n P(K ≥ s)) virtual jumps at stage s, which is the law of hops of constant rate at uniform times in the step.
 
 use super::few::Few;
-use super::{Bath, HopTable, Jumps};
+use super::{Bath, HopTable, Jumps, Open};
 use crate::chemistry::sampling_numbers::{Trials, poisson};
 use rand::Rng;
 
@@ -28,6 +28,9 @@ pub struct Walkers {
 /// Chance of a further emission below which a bath has done with a step: expected molecules.
 const NO_MORE: f64 = 1e-18;
 
+/// Molecules per voxel that enter by a door from which on each voxel gets a number of its own.
+const PER_VOXEL: f64 = 8.0;
+
 /// The amounts of one species: that of voxel i stands at `offset + i * stride`.
 struct Amounts<'a> {
     all: &'a mut [f64],
@@ -44,14 +47,14 @@ impl Amounts<'_> {
 
 impl Walkers {
     /// Moves the discrete species that stands at `amounts[offset + i * stride]` in voxel i by one step.
-    /// `baths` are its held voxels and the doors of the table, which book what passes. Returns the hops from one row to
-    /// another.
+    /// `baths` are its held voxels and the doors of the table, which book what passes; doors send into `open` voxels.
+    /// Returns the hops from one row to another.
     pub fn diffuse<R: Rng>(
         &mut self,
         table: &HopTable,
         jumps: &Jumps,
         (amounts, offset, stride): (&mut [f64], usize, usize),
-        baths: &mut [Bath],
+        (baths, open): (&mut [Bath], Open),
         random: &mut R,
     ) -> u64 {
         let mut amounts = Amounts { all: amounts, offset, stride };
@@ -68,9 +71,16 @@ impl Walkers {
             }
             hops += self.move_singles(table, random);
             for bath in baths.iter_mut().filter(|bath| bath.mean > 0.0) {
+                let node = bath.node as usize;
+                if node >= table.voxels() {
+                    let going = self.enter(table, node, bath.mean * tail, open, random);
+                    moving += going;
+                    bath.sent += going as f64;
+                    hops += going;
+                    continue;
+                }
                 let going = poisson(random, bath.mean * tail);
                 if going > 0 {
-                    let node = bath.node as usize;
                     moving += going;
                     bath.sent += going as f64;
                     let staying = self.next[node];
@@ -126,6 +136,28 @@ impl Walkers {
             self.carried[bath.node as usize] = 0;
             self.bath[bath.node as usize] = number;
         }
+    }
+
+    /// Lets molecules enter `open` voxels by a door that sends `mean` of them into all; returns how many do.
+    fn enter<R: Rng>(&mut self, table: &HopTable, door: usize, mean: f64, open: Open, random: &mut R) -> u64 {
+        let row = table.row(door);
+        let mut entered = 0;
+        if mean < PER_VOXEL * row.len() as f64 {
+            for _ in 0..poisson(random, mean) {
+                let j = table.jump(door, random);
+                if open(j) {
+                    self.next[j] += 1;
+                    entered += 1;
+                }
+            }
+            return entered;
+        }
+        for (j, p) in row.filter(|&(j, _)| open(j)) {
+            let count = poisson(random, mean * p);
+            self.next[j] += count;
+            entered += count;
+        }
+        entered
     }
 
     /// Those single molecules that make no further jump stay where they are.
@@ -201,6 +233,7 @@ impl Walkers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chemistry::diffusion::ALL;
     use crate::chemistry::diffusion::continuous::tests::between_surfaces;
     use crate::random::{Purpose, stream};
 
@@ -216,13 +249,13 @@ mod tests {
             &table,
             &jumps,
             (&mut exact, 0, 1),
-            &mut passed,
+            (&mut passed, ALL),
         );
         let (runs, mut walkers) = (40_000, Walkers::default());
         let (mut sum, mut squares, mut doors) = ([0.0; 5], [0.0; 5], [0.0; 3]);
         for _ in 0..runs {
             let (mut amounts, mut seen) = ([0.0; 5], baths());
-            walkers.diffuse(&table, &jumps, (&mut amounts, 0, 1), &mut seen, &mut random);
+            walkers.diffuse(&table, &jumps, (&mut amounts, 0, 1), (&mut seen, ALL), &mut random);
             let through: f64 = seen.iter().map(Bath::emitted).sum();
             assert_eq!(through, amounts.iter().sum::<f64>());
             for (i, n) in amounts.into_iter().enumerate() {

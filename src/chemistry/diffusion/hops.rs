@@ -8,8 +8,8 @@ use crate::error::RunError;
 use rand::Rng;
 use std::sync::OnceLock;
 
-/// The chain P = 1 + Q / Λ on the voxels, for every diffusivity at once (Q and Λ both scale with it). Rows beyond the
-/// voxels are doors in surfaces.
+/// The chain P = 1 + Q / Λ on the voxels, for every diffusivity at once (Q and Λ both scale with it). With doors in
+/// surfaces, which are the rows beyond the voxels, it is that of one species.
 #[derive(Clone, Debug)]
 pub struct HopTable {
     /// Λ per unit diffusivity: the largest rate at which a molecule leaves its voxel, 1/m².

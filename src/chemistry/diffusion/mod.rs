@@ -2,7 +2,8 @@
 //!
 //! A molecule of diffusivity D hops i -> j at rate D G_ij / V_i. Uniformised (Jensen 1953; Grassmann 1977):
 //! it makes K ~ Poisson(Λ τ) virtual jumps of the chain P = 1 + Q / Λ, Λ ≥ max_i Σ_j D G_ij / V_i, where a
-//! jump may lead back to where it started. P does not depend on D, so species of equal habitat share it.
+//! jump may lead back to where it started. P does not depend on D, so species of equal habitat share it where they pass
+//! no surface.
 //!
 //! What enters and leaves through surfaces is linear too and belongs to the same chain: each way through a surface is a
 //! row more, a [`Door`] to which molecules jump from the voxels before it and from which they come. So a concentration
@@ -16,6 +17,6 @@ mod few;
 pub mod hops;
 pub mod jumps;
 
-pub use bath::{Bath, Door};
+pub use bath::{ALL, Bath, Door, Open};
 pub use hops::HopTable;
 pub use jumps::Jumps;

@@ -103,7 +103,7 @@ fn fastest_loss(reactor: &Reactor, frozen: &Frozen, amounts: &[f64]) -> (f64, us
         loss.fill(0.0);
         let (sampled, integrated) = frozen.reactions(i);
         for r in sampled.iter().chain(integrated).map(|&r| r as usize).filter(|&r| coupled[r]) {
-            let flux = propensities.flux_at(r, &trial, scale) * frozen.weight(r, i);
+            let flux = propensities.flux_at(r, &trial, scale);
             for &(s, change) in propensities.changes(r).iter().filter(|&&(_, change)| change < 0.0) {
                 loss[s as usize] += -change * flux;
             }

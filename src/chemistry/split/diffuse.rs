@@ -2,7 +2,7 @@
 
 use super::SplitState;
 use super::frozen::Frozen;
-use crate::chemistry::diffusion::{Bath, Jumps};
+use crate::chemistry::diffusion::{ALL, Bath, Jumps};
 use crate::chemistry::reactor::{MOST_MOLECULES, Reactor};
 use crate::error::RunError;
 
@@ -41,6 +41,10 @@ impl SplitState {
                 return Err(RunError::NegativeCount { time, voxel, species, count, event });
             }
             let mut baths = frozen.baths(s, |h| self.emission(h * species + s));
+            let sent: f64 = baths.iter().map(|bath| bath.mean).sum();
+            if reactor.discrete[s] && sent > MOST_MOLECULES {
+                return Err(reactor.too_many(s, sent, time, 0));
+            }
             if let Some(hybrid) = reactor.hybrid.as_ref().filter(|hybrid| hybrid.bit(s) != 0) {
                 let k = hybrid.bit(s).trailing_zeros() as usize;
                 for _ in 0..pieces {
@@ -52,9 +56,9 @@ impl SplitState {
                 let state = (self.amounts.as_mut_slice(), s, species);
                 if reactor.discrete[s] {
                     self.counters.hops +=
-                        self.walkers.diffuse(table, &jumps, state, &mut baths, &mut self.hops);
+                        self.walkers.diffuse(table, &jumps, state, (&mut baths, ALL), &mut self.hops);
                 } else {
-                    self.flow.diffuse(table, &jumps, state, &mut baths);
+                    self.flow.diffuse(table, &jumps, state, (&mut baths, ALL));
                 }
             }
             self.book(frozen, s, &baths, reactor.discrete[s]);

@@ -5,8 +5,8 @@
 //! means in mean field; sampled models have it as well.
 
 use super::Frozen;
-use crate::chemistry::diffusion::Jumps;
 use crate::chemistry::diffusion::continuous::Flow;
+use crate::chemistry::diffusion::{ALL, Jumps};
 use crate::chemistry::rate_equations::{Books, RateEquations, Voxel};
 use crate::chemistry::reactor::Reactor;
 use crate::error::RunError;
@@ -173,7 +173,7 @@ impl MeanField<'_> {
             let (jumps, pieces) = Jumps::expected(self.reactor.diffusivity[s] * table.rate * dt);
             let mut baths = self.frozen.baths(s, |h| state[h * count + s]);
             for _ in 0..pieces {
-                self.flow.diffuse(table, &jumps, (&mut *state, s, count), &mut baths);
+                self.flow.diffuse(table, &jumps, (&mut *state, s, count), (&mut baths, ALL));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! One frozen geometry, built once per chemistry step and shared by all realizations of a flow.
 
-use super::kinds::{Kind, sort_into_kinds};
+use super::kinds::{Kind, Lists, sort_into_kinds};
 use super::passages::Passages;
 use crate::chemistry::diffusion::HopTable;
 use crate::chemistry::links::Links;
@@ -136,7 +136,7 @@ impl Frozen {
             row.resize(met.len(), 0.0);
             for &(i, weight) in surfaces.iter().filter(|(q, _)| *q == r).flat_map(|(_, list)| list) {
                 row[i as usize] += weight;
-                met[i as usize] |= 1 << bit;
+                met[i as usize] |= u64::from(!passes_by_diffusion(reactor, r)) << bit;
             }
         }
         (self.kinds, self.kind) = sort_into_kinds(reactor, &self.home, current, |i| met[i]);
@@ -151,6 +151,13 @@ impl Frozen {
     pub fn reactions(&self, voxel: usize) -> (&[u32], &[u32]) {
         let lists = &self.kinds[self.kind[voxel] as usize].lists[0];
         (&lists.sampled, &lists.integrated)
+    }
+
+    /// Whether a reaction happens in some voxel, what diffusion carries through surfaces apart.
+    #[must_use]
+    pub fn reacts(&self) -> bool {
+        let some = |lists: &Lists| !lists.sampled.is_empty() || !lists.integrated.is_empty();
+        self.kinds.iter().any(|kind| kind.lists.iter().any(some))
     }
 
     /// Factor of the propensity of reaction `r` in a voxel: 1 but for surface reactions.
@@ -193,6 +200,11 @@ impl Frozen {
     pub fn is_held(&self, slot: usize) -> bool {
         !self.held.is_empty() && self.held[slot]
     }
+}
+
+/// Whether what a surface reaction changes diffuses, and passes the surface while it does.
+fn passes_by_diffusion(reactor: &Reactor, r: usize) -> bool {
+    reactor.propensities.changes(r).iter().any(|&(s, _)| reactor.diffusivity[s as usize] > 0.0)
 }
 
 fn wrong_length(quantity: &str, is: usize, should: usize, voxels: usize) -> RunError {

@@ -20,7 +20,7 @@ pub(super) struct Lists {
     pub integrated: Vec<u32>,
     /// Whether one sort changes what the other reads.
     pub coupled: bool,
-    /// Whether events are all that happens: nothing is integrated, no real amount is taken from, no surface faced.
+    /// Whether events are all that happens: nothing is integrated, no real amount is taken from, nothing comes through a surface.
     pub plain: bool,
     /// Sampled reactions that take whole molecules out of a continuous amount.
     pub taking: Vec<u32>,
@@ -72,18 +72,13 @@ pub(super) fn sort_into_kinds(
     (kinds, kind)
 }
 
-/// Whether what a surface reaction changes diffuses, and passes the surface while it does.
-fn with_diffusion(reactor: &Reactor, r: usize) -> bool {
-    reactor.propensities.changes(r).iter().any(|&(s, _)| reactor.diffusivity[s as usize] > 0.0)
-}
-
 fn lists(reactor: &Reactor, (home, current, surfaces): (u8, u8, u64)) -> Vec<Lists> {
     let mut bit = 0;
     let mut here = Vec::new();
     for r in 0..reactor.propensities.len() {
         let mut happens = reactor.happens(r, home, current);
         if reactor.surface[r] {
-            happens &= surfaces >> bit & 1 == 1 && !with_diffusion(reactor, r);
+            happens &= surfaces >> bit & 1 == 1;
             bit += 1;
         }
         if happens {

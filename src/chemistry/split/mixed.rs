@@ -38,17 +38,25 @@ impl SplitState {
             mixture.walking.push(walking);
             mixture.flowing.push(flowing);
         }
-        // A held voxel takes in what reaches it in either form and sends out in its own; doors send molecules.
+        // A held voxel takes in what reaches it in either form and sends out in its own; doors send in that of the voxel.
         let (mut walkers, mut pipes) = (baths.to_vec(), baths.to_vec());
-        for (walker, pipe) in walkers.iter_mut().zip(&mut pipes) {
-            let node = walker.node as usize;
-            let silent = if node < voxels && flows(&self.modes, node) { walker } else { pipe };
+        for (walker, pipe) in
+            walkers.iter_mut().zip(&mut pipes).filter(|(walker, _)| walker.node < voxels as u32)
+        {
+            let silent = if flows(&self.modes, walker.node as usize) { walker } else { pipe };
             silent.mean = 0.0;
         }
-        self.counters.hops +=
-            self.walkers.diffuse(table, jumps, (&mut mixture.walking, 0, 1), &mut walkers, &mut self.hops);
+        let modes = &self.modes;
+        let (whole, real) = (|i: usize| !flows(modes, i), |i: usize| flows(modes, i));
+        self.counters.hops += self.walkers.diffuse(
+            table,
+            jumps,
+            (&mut mixture.walking, 0, 1),
+            (&mut walkers, &whole),
+            &mut self.hops,
+        );
+        self.flow.diffuse(table, jumps, (&mut mixture.flowing, 0, 1), (&mut pipes, &real));
         self.book(frozen, s, &walkers, true);
-        self.flow.diffuse(table, jumps, (&mut mixture.flowing, 0, 1), &mut pipes);
         self.book(frozen, s, &pipes, false);
         let mut owed = 0.0;
         for i in 0..voxels {

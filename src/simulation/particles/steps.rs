@@ -56,14 +56,19 @@ impl<const D: usize> Ready<'_, D> {
             _ => "discrete and continuous species side by side, Strang splitting",
         };
         let replayed = matches!(self.plan.model.flow, Some(FlowFile::Replay(_)));
+        let split = match (self.moves() || replayed, self.splitting.is_some() || self.frozen.reacts()) {
+            (true, true) => "motion, diffusion and reaction",
+            (true, false) => "motion and diffusion",
+            (false, true) => "diffusion and reaction",
+            (false, false) => "",
+        };
         let in_time = if euler {
-            euler_caveat(longest)
+            Some(euler_caveat(longest))
         } else {
-            format!(
-                "splitting of {}diffusion and reaction: second order in the chemistry step of {}",
-                if self.moves() || replayed { "motion, " } else { "" },
-                show(longest, "s")
-            )
+            let order = || {
+                format!("splitting of {split}: second order in the chemistry step of {}", show(longest, "s"))
+            };
+            (!split.is_empty()).then(order)
         };
         StepsRecord {
             fluid: self.fluid.as_ref().map(|(_, limited_by)| StepRecord {
@@ -95,7 +100,7 @@ impl<const D: usize> Ready<'_, D> {
             }),
             chemistry: Some(StepRecord { step: longest, count: ticks, limited_by }),
             method: method.into(),
-            approximations: hybrids::approximations(self.plan, Some(in_time), self.splitting.as_ref())
+            approximations: hybrids::approximations(self.plan, in_time, self.splitting.as_ref())
                 .into_iter()
                 .chain(self.scene.plan.weights.caveat().map(String::from))
                 .collect(),
@@ -134,7 +139,7 @@ pub(super) fn estimate<const D: usize>(
     Some((error, error.steps as f64 * longest))
 }
 
-/// Bounds of the chemistry step, from the amounts at the start with the sponges' targets put in.
+/// Bounds of the chemistry step, from the amounts at the start with what sponges and surfaces hold put in.
 pub(super) fn bounds<const D: usize>(
     plan: &Plan,
     scene: &Scene<D>,
@@ -146,6 +151,17 @@ pub(super) fn bounds<const D: usize>(
     for sponge in &Reservoirs::new(plan, scene).sponges {
         for (&i, &target) in sponge.voxels.iter().zip(&sponge.targets) {
             amounts[i as usize * count + sponge.species] = target;
+        }
+    }
+    for reaction in &plan.network.reactions {
+        if let Rate::Surface(Surface { kind: SurfaceKind::Held(c), .. }) = &reaction.rate {
+            let s = reaction.products[0].0;
+            // The highest concentration anywhere counts, so one voxel stands for all.
+            if let Some(i) = (0..scene.volumes.len()).find(|&i| plan.reactor.habitat[s].holds(scene.home[i]))
+            {
+                let n = &mut amounts[i * count + s];
+                *n = n.max(AVOGADRO * c * scene.volumes[i]);
+            }
         }
     }
     step_bounds(&plan.reactor, frozen, &amounts, plan.model.chemistry.hops, plan.model.chemistry.change)
