@@ -77,19 +77,7 @@ pub(super) fn read(
 ) -> Option<Vec<Group>> {
     let Some(node) = sections.groups else {
         // The whole box is one group of fluid.
-        let medium = Group {
-            name: "medium".into(),
-            material: Material::Fluid,
-            shape: Shape::EverythingElse,
-            lattice: Lattice::Square,
-            spacing,
-            jitter: 0.0,
-            holds: None,
-            of: None,
-            place: sections.domain.place.clone(),
-            crosses: None,
-            unread: false,
-        };
+        let medium = Group::everywhere("medium", Material::Fluid, &sections.domain.place, spacing);
         check_fit(&medium, d, corners, faults);
         return Some(vec![medium]);
     };
@@ -143,11 +131,11 @@ pub(super) fn read(
 }
 
 impl Group {
-    /// Stands for a group of which only the name is known.
-    pub(super) fn unread(name: &str, place: &Place, spacing: f64) -> Group {
+    /// A group of all that no other group takes.
+    fn everywhere(name: &str, material: Material, place: &Place, spacing: f64) -> Group {
         Group {
             name: name.into(),
-            material: Material::Zone,
+            material,
             shape: Shape::EverythingElse,
             lattice: Lattice::Square,
             spacing,
@@ -156,8 +144,13 @@ impl Group {
             of: None,
             place: place.clone(),
             crosses: None,
-            unread: true,
+            unread: false,
         }
+    }
+
+    /// Stands for a group of which only the name is known.
+    pub(super) fn unread(name: &str, place: &Place, spacing: f64) -> Group {
+        Group { unread: true, ..Group::everywhere(name, Material::Zone, place, spacing) }
     }
 }
 

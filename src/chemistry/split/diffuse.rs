@@ -41,9 +41,13 @@ impl SplitState {
                 return Err(RunError::NegativeCount { time, voxel, species, count, event });
             }
             let mut baths = frozen.baths(s, |h| self.emission(h * species + s));
-            let sent: f64 = baths.iter().map(|bath| bath.mean).sum();
-            if reactor.discrete[s] && sent > MOST_MOLECULES {
-                return Err(reactor.too_many(s, sent, time, 0));
+            if reactor.discrete[s]
+                && let Some(bath) = baths.iter().find(|bath| bath.mean > MOST_MOLECULES)
+            {
+                // Of a door, the first voxel that it sends into.
+                let node = bath.node as usize;
+                let door = table.row(node).next().filter(|_| node >= table.voxels());
+                return Err(reactor.too_many(s, bath.mean, time, door.map_or(node, |(voxel, _)| voxel)));
             }
             if let Some(hybrid) = reactor.hybrid.as_ref().filter(|hybrid| hybrid.bit(s) != 0) {
                 let k = hybrid.bit(s).trailing_zeros() as usize;

@@ -98,6 +98,11 @@ mod tests {
     /// Three unit cells in a row, the last held at 40 of S0; the surface before the first feeds 12 a second and takes
     /// at 3 a second and molecule, that beside the held one takes at 0.5.
     fn row(discrete: bool) -> (Reactor, Frozen, SplitState) {
+        fed(discrete, 12.0)
+    }
+
+    /// The same, fed with another number a second.
+    fn fed(discrete: bool, feed: f64) -> (Reactor, Frozen, SplitState) {
         let mut network = network(
             Kinetics::Molecules,
             1,
@@ -115,7 +120,7 @@ mod tests {
             .with_surfaces(
                 &reactor,
                 &[0; 3],
-                &[(0, vec![(0, 12.0)]), (1, vec![(0, 3.0)]), (2, vec![(2, 0.5)])],
+                &[(0, vec![(0, feed)]), (1, vec![(0, 3.0)]), (2, vec![(2, 0.5)])],
             );
         let state = SplitState::new(&reactor, vec![0.0, 0.0, 40.0], 1, 0);
         (reactor, frozen, state)
@@ -142,6 +147,16 @@ mod tests {
             // First order, in amounts that are of order 10 and a supply of up to 700.
             assert!(error[1] < 0.1 && error[1] < 0.6 * error[0] || error[0] < 1e-9, "{time}: {error:?}");
         }
+    }
+
+    #[test]
+    fn more_than_can_be_counted_is_an_error() {
+        let (reactor, frozen, mut state) = fed(true, 1e18);
+        let error = state.diffuse(&reactor, &frozen, 0.0, 1.0).unwrap_err().to_string();
+        assert!(error.contains("particle 0") && error.contains("cannot be counted one by one"), "{error}");
+        // As real amounts they are no matter.
+        let (reactor, frozen, mut state) = fed(false, 1e18);
+        state.diffuse(&reactor, &frozen, 0.0, 1.0).unwrap();
     }
 
     #[test]
